@@ -1,0 +1,49 @@
+"""The guard at the door: shape, finiteness and meaning are checked here, once."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+class CourseError(Exception):
+    """Base of the course's own errors; each message is a sentence a student can act on."""
+
+
+def as_floats(value: ArrayLike, name: str, *shape: int | None, finite: bool = True) -> FloatArray:
+    """``value`` as a C-contiguous float64 array of the given shape.
+
+    Parameters
+    ----------
+    value : array_like
+    name : str
+        Name of the argument, for the message.
+    *shape : int or None
+        Wanted length of each axis; None means any length.
+    finite : bool
+        Refuse NaN and infinity. Sensor logs pass False: a control loop skips bad samples instead.
+
+    Returns
+    -------
+    ndarray
+
+    Raises
+    ------
+    ValueError
+        Not numbers, another shape, or (with ``finite``) an entry that is not finite.
+    """
+    try:
+        array = np.asarray(value, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: expected numbers, got {type(value).__name__}") from None
+    wanted = "(" + ", ".join("n" if n is None else str(n) for n in shape) + ("," if len(shape) == 1 else "") + ")"
+    if array.ndim != len(shape) or any(
+        n is not None and n != got for n, got in zip(shape, array.shape, strict=True)
+    ):
+        raise ValueError(f"{name}: expected shape {wanted}, got {array.shape}")
+    if finite and not np.isfinite(array).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise ValueError(f"{name}: entry {where} is not a finite number; remove it or mend it first")
+    return array
