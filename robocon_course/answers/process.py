@@ -1,0 +1,148 @@
+"""The near side of an answer: start its process, ask it, and wait no longer than allowed."""
+
+from __future__ import annotations
+
+import os
+import queue
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from robocon_course.answers import wire
+from robocon_course.files import PACKAGE
+
+REPLY_LIMIT = 64 << 20  # bytes; an answer that returns more than this is told so
+START_LIMIT = 60.0  # s; a cold disk and a busy laptop need some of it
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What came back from one call: a value, or the kind and words of an exception.
+
+    ``error`` is the exception's type name, ``"TimeLimit"`` when the process was stopped,
+    ``"ProcessEnded"`` when it died, and empty when a value came.
+    """
+
+    value: Any = None
+    error: str = ""
+    message: str = ""
+    line: str = ""
+    printed: str = ""
+
+
+class AnswerProcess:
+    """One fresh process with one student's code; usable as a context manager.
+
+    Parameters
+    ----------
+    time_limit : float  [s]
+        Wall-clock time for ``load`` and all calls together. Start-up is not counted.
+    """
+
+    def __init__(self, time_limit: float = 10.0) -> None:
+        self.time_left = time_limit
+        self.time_limit = time_limit
+        self._folder = tempfile.TemporaryDirectory(prefix="answer-", ignore_cleanup_errors=True)
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "robocon_course.answers.worker"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            cwd=self._folder.name,
+            env=_environment(),
+            start_new_session=True,  # so that its children end with it
+        )
+        self._ready = False
+        self._lines: queue.Queue[bytes] = queue.Queue()
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def allow(self, time_limit: float) -> None:
+        """Set the time for what follows, in seconds."""
+        self.time_limit = self.time_left = time_limit
+
+    def load(self, source: str, blocked: tuple[str, ...] = ()) -> Reply:
+        """Define the answer's functions; ``blocked`` are course functions it must not call."""
+        return self._ask(do="load", source=source, blocked=list(blocked))
+
+    def call(self, name: str, args: tuple = (), kwargs: dict[str, Any] | None = None) -> Reply:
+        """Call function ``name`` of the answer."""
+        return self._ask(do="call", name=name, args=args, kwargs=kwargs or {})
+
+    def run(self, cells: list[str]) -> Reply:
+        """Run a notebook's cells; the value lists the numbers it passed to ``answer``."""
+        return self._ask(do="run", cells=cells)
+
+    def close(self) -> None:
+        """End the process and everything it started."""
+        if os.name == "posix":
+            try:
+                os.killpg(self._process.pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+        self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            try:
+                pipe.close()
+            except OSError:
+                pass
+        self._folder.cleanup()
+
+    def __enter__(self) -> AnswerProcess:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _read(self) -> None:
+        """Collect reply lines; an over-long or last empty one ends the collection."""
+        line = b"start"
+        while line and len(line) <= REPLY_LIMIT:
+            try:
+                line = self._process.stdout.readline(REPLY_LIMIT + 1)
+            except (OSError, ValueError):
+                line = b""
+            self._lines.put(line)
+
+    def _ask(self, **request: Any) -> Reply:
+        try:
+            if not self._ready:  # the interpreter's own start is not the answer's time
+                self._ready = self._lines.get(timeout=START_LIMIT) == wire.READY
+            started = time.monotonic()
+            self._process.stdin.write(wire.dumps(request))
+            self._process.stdin.flush()
+            line = self._lines.get(timeout=max(self.time_left, 0.0))
+        except queue.Empty:
+            self.close()
+            return Reply(error="TimeLimit", message=f"stopped after {self.time_limit:g} s")
+        except (OSError, ValueError):
+            return Reply(error="ProcessEnded", message="the process that ran your code ended")
+        self.time_left -= time.monotonic() - started
+        if not line:
+            return Reply(error="ProcessEnded", message="the process that ran your code ended")
+        if len(line) > REPLY_LIMIT:
+            return Reply(error="TooLarge", message=f"returned more than {REPLY_LIMIT >> 20} MB")
+        return _reply(line)
+
+
+def _reply(line: bytes) -> Reply:
+    try:
+        return Reply(**wire.loads(line))
+    except (ValueError, TypeError) as error:
+        return Reply(error="NotPlainData", message=str(error))
+
+
+def _environment() -> dict[str, str]:
+    """One thread per process: faster for small arrays, and the same sums everywhere."""
+    threads = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+    # The worker must find the package even where it was put on the path by hand.
+    paths = [str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])]
+    return os.environ | dict.fromkeys(threads, "1") | {
+        "PYTHONPATH": os.pathsep.join(paths),
+        "MPLBACKEND": "Agg",
+    }

@@ -1,0 +1,234 @@
+"""Judge an answer by asking it: the checks stay here, the student's code stays elsewhere."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from robocon_course.answers.process import Reply
+from robocon_course.exercises.compare import difference, fields_of, shown
+from robocon_course.exercises.model import (
+    Case,
+    Exercise,
+    Finding,
+    Mistake,
+    Number,
+    Outcome,
+    Verdict,
+)
+from robocon_course.worlds import generator
+
+Ask = Callable[[tuple], Reply]
+
+STOPPED = ("TimeLimit", "ProcessEnded", "TooLarge", "NotPlainData")
+
+
+def judge(exercise: Exercise, ask: Ask, student: int = 0, salt: str = "public") -> Verdict:
+    """Try an answer on every case of an exercise.
+
+    Parameters
+    ----------
+    exercise : Exercise
+    ask : callable
+        ``ask(args) -> Reply``: calls the answer, wherever it runs.
+    student : int
+        Student number; every student gets numbers of their own.
+    salt : str
+        Tells public from graded cases: the same functions, other numbers.
+
+    Returns
+    -------
+    Verdict
+        Full points, or the first case that failed and the likely cause.
+    """
+    cases = exercise.cases(student, generator(student, exercise.id, salt))
+    if exercise.score:
+        return _judge_score(exercise, cases, ask)
+    replies: list[Reply] = []
+    for case in cases:
+        replies.append(ask(case.args))
+        sentence = _problem(exercise, case, replies[-1])
+        if sentence:
+            replies += _ask_the_rest(cases[len(replies) :], ask, replies[-1])
+            return _failed(exercise, cases, replies, case, sentence)
+    text = f"{len(cases)} of {len(cases)} cases are right."
+    return _verdict(exercise, Outcome.PASSED, text, cases=(len(cases), len(cases)), replies=replies)
+
+
+def judge_number(number: Number, value: Any, student: int = 0) -> Verdict:
+    """Judge a number that a student found in their own world."""
+
+    def verdict(outcome: Outcome, message: str, mistake: str = "") -> Verdict:
+        points = number.points if outcome is Outcome.PASSED else 0.0
+        return Verdict(number.id, outcome, points, number.points, message, mistake)
+
+    if value is None or value is ...:
+        return verdict(Outcome.NOT_ATTEMPTED, "Put your number in place of the three dots.")
+    try:
+        value = float(value)
+    except (TypeError, ValueError):
+        kind = type(value).__name__
+        return verdict(Outcome.ERROR, f"Expected one number in {number.unit}, got a {kind}.")
+    if not math.isfinite(value):
+        return verdict(Outcome.ERROR, f"Expected a number in {number.unit}, got {value}.")
+    if abs(value - number.truth(student)) <= number.tolerance:
+        return verdict(Outcome.PASSED, f"{value:.4g} {number.unit} is right for your sensor.")
+    for mistake in number.mistakes:
+        if abs(value - mistake.function(student)) <= number.tolerance:
+            return verdict(Outcome.WRONG, mistake.message, mistake.name)
+    text = f"{value:.4g} {number.unit} is not within {number.tolerance:g} {number.unit} of the truth."
+    return verdict(Outcome.WRONG, text)
+
+
+def ask_function(function: Callable[..., Any]) -> Ask:
+    """Ask a function of the course itself: a reference, or a wrong answer of the catalogue."""
+
+    def ask(args: tuple) -> Reply:
+        try:
+            return Reply(value=function(*copy.deepcopy(args)))
+        except Exception as error:
+            return Reply(error=type(error).__name__, message=str(error))
+
+    return ask
+
+
+def _problem(exercise: Exercise, case: Case, reply: Reply) -> str | None:
+    """What is wrong with the reply to one case, None if nothing."""
+    if reply.error in STOPPED or reply.error in ("NotImplementedError", "NotYourOwn"):
+        return reply.message or reply.error
+    if case.judge:
+        return case.judge(reply)
+    if reply.error:
+        return f"{reply.error}: {reply.message}"
+    expected = fields_of(exercise.reference(*copy.deepcopy(case.args)), exercise.fields)
+    return difference(fields_of(reply.value, exercise.fields), expected, case.atol, case.unit)
+
+
+def _ask_the_rest(cases: Sequence[Case], ask: Ask, last: Reply) -> list[Reply]:
+    """Replies to the remaining cases, by which a known mistake is recognised."""
+    return [] if last.error in STOPPED else [ask(case.args) for case in cases]
+
+
+def _failed(
+    exercise: Exercise, cases: Sequence[Case], replies: list[Reply], case: Case, sentence: str
+) -> Verdict:
+    reply = replies[cases.index(case)]
+    special = _special(exercise, case, reply)
+    if special:
+        outcome, text = special
+        return _verdict(exercise, outcome, text, replies=replies)
+    right = sum(
+        _problem(exercise, c, r) is None for c, r in zip(cases, replies, strict=False)
+    )
+    mistake = _recognise(exercise, cases, replies)
+    expected = None if case.judge else exercise.reference(*copy.deepcopy(case.args))
+    finding = Finding(
+        case,
+        sentence,
+        fields_of(reply.value, exercise.fields),
+        fields_of(expected, exercise.fields),
+    )
+    text = f"In the case “{case.what}”: {sentence}."
+    outcome = Outcome.WRONG
+    if mistake:
+        text += f" {mistake.message}"
+    elif reply.error:
+        outcome = Outcome.ERROR
+        text += f" It came from the line: {reply.line}" if reply.line else ""
+    return _verdict(
+        exercise, outcome, text, mistake=mistake, finding=finding, cases=(right, len(cases)),
+        replies=replies,
+    )
+
+
+def _special(exercise: Exercise, case: Case, reply: Reply) -> tuple[Outcome, str] | None:
+    """Outcomes that say nothing about right or wrong numbers."""
+    if reply.error == "NotImplementedError":
+        return Outcome.NOT_ATTEMPTED, "Write the function in the cell above, run it, check again."
+    if reply.error == "NotYourOwn":
+        return Outcome.WRONG, f"This calls the course's own {reply.message}; write your own."
+    if reply.error == "TimeLimit":
+        limit = f"{exercise.time_limit:g} s"
+        return Outcome.ERROR, (
+            f"In the case “{case.what}”: stopped after {limit}. "
+            "Does a loop never end, or does it do far more work than needed?"
+        )
+    if reply.error in STOPPED:
+        return Outcome.ERROR, f"In the case “{case.what}”: {reply.message}."
+    return None
+
+
+def _recognise(
+    exercise: Exercise, cases: Sequence[Case], replies: Sequence[Reply]
+) -> Mistake | None:
+    """The known mistake that explains every reply, if there is one."""
+    if len(replies) < len(cases):
+        return None
+    for mistake in exercise.mistakes:
+        ask = ask_function(mistake.function)
+        if all(
+            _alike(exercise, case, reply, ask(case.args))
+            for case, reply in zip(cases, replies, strict=True)
+        ):
+            return mistake
+    return None
+
+
+def _alike(exercise: Exercise, case: Case, reply: Reply, other: Reply) -> bool:
+    if reply.error or other.error:
+        return reply.error == other.error
+    got, expected = (fields_of(r.value, exercise.fields) for r in (reply, other))
+    return difference(got, expected, max(case.atol, 1e-9)) is None
+
+
+def _judge_score(exercise: Exercise, cases: Sequence[Case], ask: Ask) -> Verdict:
+    """Judge a challenge by its worst case."""
+    replies, errors = [], []
+    for case in cases:
+        replies.append(ask(case.args))
+        sentence = _problem(exercise, case, replies[-1]) if replies[-1].error else None
+        sentence = sentence or _shape_problem(exercise, case, replies[-1])
+        if sentence:
+            return _failed(exercise, cases[: len(replies)], replies, case, sentence)
+        errors.append(exercise.score.error(case, replies[-1].value))
+    worst = max(errors, key=lambda e: math.inf if math.isnan(e) else e)
+    share = exercise.score.share(worst)
+    mistake = None if share == 1.0 else _recognise(exercise, cases, replies)
+    limit = exercise.score.levels[0][0]
+    text = f"Worst case {worst:.3g} {exercise.score.unit}; {limit:g} {exercise.score.unit} earns all points."
+    if mistake:
+        text += f" {mistake.message}"
+    outcome = Outcome.PASSED if share else Outcome.WRONG
+    return _verdict(exercise, outcome, text, share=share, mistake=mistake, replies=replies)
+
+
+def _shape_problem(exercise: Exercise, case: Case, reply: Reply) -> str | None:
+    """A challenge's result must at least have the form of the reference's."""
+    expected = exercise.reference(*copy.deepcopy(case.args))
+    return difference(reply.value, expected, math.inf, case.unit)
+
+
+def _verdict(
+    exercise: Exercise,
+    outcome: Outcome,
+    message: str,
+    *,
+    share: float = 1.0,
+    mistake: Mistake | None = None,
+    finding: Finding | None = None,
+    cases: tuple[int, int] = (0, 0),
+    replies: Sequence[Reply] = (),
+) -> Verdict:
+    return Verdict(
+        exercise.id,
+        outcome,
+        exercise.points * share if outcome is Outcome.PASSED else 0.0,
+        exercise.points,
+        message,
+        mistake.name if mistake else "",
+        finding,
+        cases,
+        "".join(reply.printed for reply in replies),
+    )

@@ -1,0 +1,201 @@
+"""``my_robot/``: the accepted answers of one student, every version kept.
+
+::
+
+    my_robot/imu.py                              the parts in use, one file per chapter
+    my_robot/versions/imu.mahony_step/001.py     every accepted version
+    my_robot/record.json                         student number, points, versions in use
+    my_robot/attempts.jsonl                      the log of attempts, if the student wants one
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from robocon_course._arrays import CourseError
+from robocon_course.exercises.model import Verdict
+
+
+class WorkspaceError(CourseError):
+    """The workspace does not hold what was asked for; the message says what it holds."""
+
+
+class Workspace:
+    """The folder of one student's work; notebooks lie in it, ``my_robot/`` beside them.
+
+    Parameters
+    ----------
+    folder : path, optional
+        Default: environment variable ``ROBOCON_WORKSPACE``, else the current folder.
+    """
+
+    def __init__(self, folder: str | Path | None = None) -> None:
+        self.folder = Path(folder or os.environ.get("ROBOCON_WORKSPACE") or Path.cwd())
+        self.robot = self.folder / "my_robot"
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """Student number, points and versions; empty before the first check."""
+        try:
+            record = json.loads((self.robot / "record.json").read_text(encoding="utf-8"))
+            return record if isinstance(record, dict) else {}
+        except (OSError, ValueError):
+            return {}
+
+    @property
+    def student(self) -> int:
+        """The student number in use; 0 until one is given."""
+        return int(self.record.get("student", 0))
+
+    def remember(self, **changes: Any) -> None:
+        """Change entries of the record."""
+        self._write(self.robot / "record.json", json.dumps(self.record | changes, indent=1) + "\n")
+
+    def note(self, verdict: Verdict) -> None:
+        """Keep the best points of an exercise, and the attempt where a log is wanted."""
+        points = self.record.get("points", {})
+        if verdict.points > points.get(verdict.id, 0.0):
+            self.remember(points=points | {verdict.id: verdict.points})
+        attempts = self.record.get("attempts", {})
+        attempts = attempts | {verdict.id: attempts.get(verdict.id, 0) + 1}
+        self.remember(attempts=attempts)
+        if self.record.get("log"):
+            entry = {
+                "id": verdict.id,
+                "outcome": verdict.outcome.name.lower(),
+                "mistake": verdict.mistake,
+                "attempt": attempts[verdict.id],
+                "time": time.strftime("%Y-%m-%dT%H:%M:%S"),
+            }
+            with (self.robot / "attempts.jsonl").open("a", encoding="utf-8") as log:
+                log.write(json.dumps(entry) + "\n")
+
+    def accept(self, exercise_id: str, text: str) -> int:
+        """Keep an accepted answer and put it in use; returns the number of its version."""
+        versions = self.versions(exercise_id)
+        if versions and versions[-1].read_text(encoding="utf-8") == text:
+            number = len(versions)
+        else:
+            number = len(versions) + 1
+            self._write(self._version(exercise_id, number), text)
+        self.use(exercise_id, number)
+        return number
+
+    def versions(self, exercise_id: str) -> list[Path]:
+        """Every accepted version of a part, oldest first."""
+        return sorted((self.robot / "versions" / exercise_id).glob("[0-9]*.py"))
+
+    def use(self, exercise_id: str, number: int) -> None:
+        """Put an accepted version in use and write the chapter's file anew.
+
+        Raises
+        ------
+        WorkspaceError
+            There is no such version.
+        """
+        count = len(self.versions(exercise_id))
+        if not 1 <= number <= count:
+            kept = f"versions 1 to {count}" if count else "no accepted version"
+            raise WorkspaceError(f"{exercise_id}: no version {number}; my_robot/ holds {kept}")
+        self.remember(in_use=self.record.get("in_use", {}) | {exercise_id: number})
+        self._write_chapter(exercise_id.partition(".")[0])
+
+    def in_use(self, chapter: str | None = None) -> dict[str, int]:
+        """Parts in use and their versions, of one chapter or of all."""
+        used = self.record.get("in_use", {})
+        return {k: v for k, v in used.items() if chapter in (None, k.partition(".")[0])}
+
+    def part(self, exercise_id: str) -> Callable[..., Any]:
+        """An accepted part as a function, loaded from the chapter's file.
+
+        Raises
+        ------
+        WorkspaceError
+            The part was not accepted yet, or its file was damaged.
+        """
+        chapter, _, name = exercise_id.partition(".")
+        path = self.robot / f"{chapter}.py"
+        if exercise_id not in self.in_use() or not path.is_file():
+            raise WorkspaceError(f"{exercise_id}: not accepted yet; solve its exercise first")
+        spec = importlib.util.spec_from_file_location(f"my_robot.{chapter}", path)
+        module = importlib.util.module_from_spec(spec)
+        try:
+            spec.loader.exec_module(module)
+            return getattr(module, name)
+        except Exception as error:
+            raise WorkspaceError(
+                f"{path.name} does not load ({type(error).__name__}: {error}); "
+                f"bring the part back with: robocon reset --part {exercise_id}"
+            ) from error
+
+    def text_in_use(self, exercise_id: str) -> str:
+        """Text of the version in use."""
+        path = self._version(exercise_id, self.in_use()[exercise_id])
+        return path.read_text(encoding="utf-8")
+
+    def _version(self, exercise_id: str, number: int) -> Path:
+        return self.robot / "versions" / exercise_id / f"{number:03d}.py"
+
+    def _write_chapter(self, chapter: str) -> None:
+        """One readable file per chapter; a helper or import that parts share stands once."""
+        blocks: dict[str, None] = {}
+        for exercise_id in self.in_use(chapter):
+            blocks |= dict.fromkeys(_blocks(self.text_in_use(exercise_id)))
+        imports = [b for b in blocks if b.startswith(("import ", "from "))]
+        body = [b for b in blocks if b not in imports]
+        parts = ", ".join(f"{k} (version {v})" for k, v in self.in_use(chapter).items())
+        head = f'"""My robot, chapter {chapter}: {parts}."""\n\nfrom __future__ import annotations\n\n'
+        text = head + "\n".join(imports) + "\n\n\n" + "\n\n\n".join(body) + "\n"
+        self._write(self.robot / f"{chapter}.py", text)
+
+    def clash(self, exercise_id: str, text: str) -> str:
+        """Name of a helper that another part in use defines differently, empty if none."""
+        new = _definitions(text)
+        for other in self.in_use(exercise_id.partition(".")[0]):
+            if other == exercise_id:
+                continue
+            for name, block in _definitions(self.text_in_use(other)).items():
+                if new.get(name, block) != block:
+                    return f"{name} (also used by {other})"
+        return ""
+
+    @staticmethod
+    def _write(path: Path, text: str) -> None:
+        """Write beside, then rename: an interrupted write loses nothing."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        beside = path.with_name(path.name + ".new")
+        beside.write_text(text, encoding="utf-8")
+        os.replace(beside, path)
+
+
+def _blocks(text: str) -> list[str]:
+    """Top-level statements of a version's text, the future import left out."""
+    import ast
+
+    lines = text.splitlines()
+    found = []
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.ImportFrom) and node.module == "__future__":
+            continue
+        first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
+        found.append("\n".join(lines[first - 1 : node.end_lineno]))
+    return found
+
+
+def _definitions(text: str) -> dict[str, str]:
+    import ast
+
+    found = {}
+    for block in _blocks(text):
+        node = ast.parse(block).body[0]
+        if hasattr(node, "name"):
+            found[node.name] = block
+        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            found[node.targets[0].id] = block
+    return found
