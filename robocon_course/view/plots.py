@@ -1,165 +1,233 @@
-"""Figures: one style, one palette with fixed meanings, and a line of text beside every picture.
-
-Nothing here touches ``pyplot``: a figure is an object that is drawn, turned into PNG bytes and
-shown. Every figure that is shown carries its *text twin*, one line with the numbers that matter,
-which is read aloud by a screen reader, searched, and compared by the tests.
-"""
+"""The plots of the chapters: arrays in SI units come in, a figure in readable units comes out."""
 
 from __future__ import annotations
 
-import base64
-import html
-import io
-import sys
-from typing import Any
+from collections.abc import Iterable, Mapping
 
-import matplotlib
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from numpy.typing import ArrayLike
 
-MINE = "#0072B2"
-"""What the student's own code produced."""
-REFERENCE = "#009E73"
-"""What the course's code produced."""
-TRUTH = "#222222"
-"""What really happened (only a simulator or a better instrument knows)."""
-RAW = "#9A9A9A"
-"""What the sensor said before anything was done to it."""
-WARN = "#D55E00"
-"""Where it goes wrong."""
-XYZ = ("#882255", "#8A8420", "#2A8C82")
-"""The three axes x, y, z of a sensor."""
-MEANINGS = {"mine": MINE, "reference": REFERENCE, "truth": TRUTH, "raw": RAW, "wrong": WARN}
+from robocon_course._arrays import FloatArray, as_floats
+from robocon_course.view.canvas import (
+    MINE,
+    RAW,
+    REFERENCE,
+    TRUTH,
+    WARN,
+    XYZ,
+    colours_of,
+    draw_lines,
+    figure,
+    png,
+    show,
+)
+from robocon_course.view.comparison import plot_counter_example
 
-STYLE = {
-    "font.size": 10.5,
-    "text.color": "#222222",
-    "axes.labelcolor": "#222222",
-    "axes.edgecolor": "#777777",
-    "axes.facecolor": "white",
-    "axes.titlesize": 11,
-    "axes.titlelocation": "left",
-    "axes.titleweight": "bold",
-    "axes.labelsize": 10.5,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "grid.color": "#E6E6E6",
-    "grid.linewidth": 0.8,
-    "xtick.color": "#555555",
-    "ytick.color": "#555555",
-    "xtick.labelsize": 10,
-    "ytick.labelsize": 10,
-    "lines.linewidth": 1.5,
-    "legend.frameon": False,
-    "legend.fontsize": 10,
-    "figure.facecolor": "white",
-    "figure.dpi": 110,
-}
-SHORTEST_TWIN = 20
+__all__ = [
+    "MINE",
+    "RAW",
+    "REFERENCE",
+    "TRUTH",
+    "WARN",
+    "XYZ",
+    "figure",
+    "plot_angles",
+    "plot_counter_example",
+    "plot_imu",
+    "plot_sphere",
+    "plot_still",
+    "plot_tilt_error",
+    "png",
+    "show",
+]
+
+WIDTH_OF_DATA = ("data", "axes fraction")
 
 
-def figure(
-    width: float = 7.0, height: float = 3.5, columns: int = 1, rows: int = 1, **kw: Any
-) -> tuple[Figure, Any]:
-    """An empty figure in the course's style, and its axes.
+def plot_imu(time: ArrayLike, gyro: ArrayLike, accel: ArrayLike) -> Figure:
+    """What an IMU said: angular rates above, specific force below.
 
     Parameters
     ----------
-    width, height : float  [inch, at 110 dots per inch]
-    columns, rows : int
-        Panels side by side and one above the other.
-    **kw
-        Passed on to ``Figure.subplots`` (``sharex=True`` for instance).
+    time : array_like, shape (n,)  [s]
+    gyro : array_like, shape (n, 3)  [rad/s, body]
+        Drawn in deg/s.
+    accel : array_like, shape (n, 3)  [m/s², body]
 
     Returns
     -------
     Figure
-    Axes, or an array of Axes where there is more than one panel
     """
-    with matplotlib.rc_context(STYLE):
-        fig = Figure(figsize=(width, height), layout="constrained")
-        FigureCanvasAgg(fig)
-        return fig, fig.subplots(rows, columns, **kw)
+    time = as_floats(time, "time", None)
+    gyro = as_floats(gyro, "gyro", time.size, 3, finite=False)
+    accel = as_floats(accel, "accel", time.size, 3, finite=False)
+    fig, panels = figure(7.6, 4.4, rows=2, sharex=True)
+    for ax, samples, title in (
+        (panels[0], np.degrees(gyro), "Gyroscope [deg/s]"),
+        (panels[1], accel, "Accelerometer [m/s²]"),
+    ):
+        lines = {name: (samples[:, i], XYZ[i]) for i, name in enumerate("xyz")}
+        draw_lines(ax, time, lines, linewidth=0.9)
+        ax.set_title(title)
+    panels[1].set_xlabel("time [s]")
+    return fig
 
 
-def png(figure: Figure) -> bytes:
-    """The figure as the bytes of a PNG file."""
-    if not isinstance(figure, Figure):
-        raise ValueError(
-            f"figure: expected a matplotlib Figure, got {type(figure).__name__}; "
-            "a plot function of the course returns one"
-        )
-    stream = io.BytesIO()
-    with matplotlib.rc_context(STYLE):
-        figure.savefig(stream, format="png", dpi=STYLE["figure.dpi"])
-    return stream.getvalue()
-
-
-def show(figure: Figure, twin: str) -> None:
-    """Show a figure in the notebook, and print its text twin under it.
+def plot_angles(
+    time: ArrayLike,
+    angles: Mapping[str, ArrayLike],
+    truth: ArrayLike | None = None,
+    *,
+    names: tuple[str, ...] = ("roll", "pitch", "yaw"),
+) -> Figure:
+    """Angles over time, one panel per angle, one line per source.
 
     Parameters
     ----------
-    figure : Figure
-    twin : str
-        One line with the numbers that matter, at least 20 characters: what somebody learns who
-        cannot see the picture. It is the picture's alt text too.
+    time : array_like, shape (n,)  [s]
+    angles : mapping of label to array_like, shape (n,) or (n, k)  [rad]
+        Drawn in degrees. A label that begins with mine, reference, raw or wrong gets the colour
+        that means this in all chapters.
+    truth : array_like, shape as the angles, optional  [rad]
+    names : tuple of str
+        Titles of the panels.
 
-    Raises
-    ------
-    ValueError
-        No figure, or a twin that is empty, too short, or longer than one line.
+    Returns
+    -------
+    Figure
     """
-    publish(figure, twin)
-    print(f"Figure: {twin}")
+    time = as_floats(time, "time", None)
+    series = dict(angles) if truth is None else dict(angles) | {"truth": truth}
+    columns = {label: _columns(values, label, time.size) for label, values in series.items()}
+    count = min(len(names), max(values.shape[1] for values in columns.values()))
+    colours = colours_of(columns)
+    fig, panels = figure(7.6, 1.0 + 1.75 * count, rows=count, sharex=True, squeeze=False)
+    for k, ax in enumerate(panels[:, 0]):
+        lines = {
+            label: (_gaps_at_jumps(np.degrees(values[:, k])), colours[label])
+            for label, values in columns.items()
+            if k < values.shape[1]
+        }
+        draw_lines(ax, time, lines)
+        ax.set_title(f"{names[k].capitalize()} [deg]")
+    panels[-1, 0].set_xlabel("time [s]")
+    return fig
 
 
-def publish(figure: Figure, twin: str, display_id: str | None = None, update: bool = False) -> None:
-    """Send a figure to the notebook, as a new output or in the place of ``display_id``.
+def plot_tilt_error(time: ArrayLike, errors: Mapping[str, ArrayLike]) -> Figure:
+    """How far the estimated vertical is off, over time; each line says its RMS.
 
-    Outside a notebook nothing is sent; the twin is still checked and the figure still drawn.
+    Parameters
+    ----------
+    time : array_like, shape (n,)  [s]
+    errors : mapping of label to array_like, shape (n,)  [rad]
+        Drawn in degrees; NaN where the truth is not known.
+
+    Returns
+    -------
+    Figure
     """
-    check_twin(twin)
-    data, metadata = bundle(png(figure), twin)
-    if pyplot := sys.modules.get("matplotlib.pyplot"):
-        pyplot.close(figure)  # a student's own pyplot figure would come a second time otherwise
-    if in_ipython():
-        from IPython.display import publish_display_data
+    time = as_floats(time, "time", None)
+    colours = colours_of(errors)
+    lines = {}
+    for label, values in errors.items():
+        degrees = np.degrees(as_floats(values, label, time.size, finite=False))
+        rms = np.sqrt(np.nanmean(degrees**2))
+        lines[f"{label}\nRMS {rms:.2f}°"] = (degrees, colours[label])
+    fig, ax = figure(7.6, 3.2)
+    draw_lines(ax, time, lines, linewidth=1.1)
+    ax.set_title("Tilt error [deg]")
+    ax.set_xlabel("time [s]")
+    return fig
 
-        transient = {"display_id": display_id} if display_id else None
-        publish_display_data(data, metadata, transient=transient, update=update)
+
+_PLANES = ((0, 1), (0, 2), (1, 2))
+_SPHERE = [["xy", "xz", "yz"], ["length", "length", "length"]]
 
 
-def bundle(picture: bytes, twin: str) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
-    """Data and metadata of a notebook output that holds a picture and its words.
+def plot_sphere(raw: ArrayLike, corrected: ArrayLike, gravity: float = 9.80665) -> Figure:
+    """Accelerometer samples before and after calibration, against the sphere of radius gravity.
 
-    JupyterLab does not pass the alt text of the metadata on to the page, so a piece of HTML
-    does; the plain PNG stays beside it for every tool that looks for pictures.
+    Parameters
+    ----------
+    raw, corrected : array_like, shape (n, 3)  [m/s², body]
+    gravity : float  [m/s²]
+
+    Returns
+    -------
+    Figure
+        Three projections above; below them the length of every sample's vector.
     """
-    encoded = base64.b64encode(picture).decode("ascii")
-    alt = html.escape(twin, quote=True)
-    data = {
-        "image/png": encoded,
-        "text/html": f'<img alt="{alt}" src="data:image/png;base64,{encoded}">',
-        "text/plain": twin,
-    }
-    return data, {"image/png": {"alt": twin}}
+    pairs = (
+        ("raw", as_floats(raw, "raw", None, 3, finite=False), RAW, "x"),
+        ("corrected", as_floats(corrected, "corrected", None, 3, finite=False), MINE, "."),
+    )
+    fig, panels = figure(7.6, 5.0, mosaic=_SPHERE, height_ratios=(1.45, 1))
+    for ax, (i, j) in zip(panels.values(), _PLANES, strict=False):
+        ax.add_patch(Circle((0, 0), gravity, fill=False, color=TRUTH, linewidth=1.0))
+        for _, samples, colour, marker in pairs:
+            ax.plot(samples[:, i], samples[:, j], marker, color=colour, markersize=4)
+        ax.set_aspect("equal", adjustable="datalim")
+        ax.set_title(f"{'xyz'[i]}{'xyz'[j]} plane [m/s²]")
+    ax = panels["length"]
+    lengths = {name: (np.linalg.norm(s, axis=1), colour) for name, s, colour, _ in pairs}
+    draw_lines(ax, None, lengths, linewidth=1.0, marker=".", markersize=4)
+    ax.axhline(gravity, color=TRUTH, linewidth=1.0)
+    ax.set_title("Length of the measured vector; the line is gravity [m/s²]")
+    ax.set_xlabel("sample")
+    return fig
 
 
-def check_twin(twin: str) -> None:
-    """Refuse a text twin that says nothing."""
-    if not isinstance(twin, str) or len(twin.strip()) < SHORTEST_TWIN:
-        raise ValueError(
-            f"twin: expected one line of at least {SHORTEST_TWIN} characters, got {twin!r}; "
-            "say in words and numbers what the picture shows"
-        )
-    if "\n" in twin:
-        raise ValueError("twin: expected one line, got several; put the numbers into one sentence")
+def plot_still(
+    time: ArrayLike,
+    gyro: ArrayLike,
+    bias: ArrayLike,
+    moved: Iterable[tuple[float, float]] = (),
+) -> Figure:
+    """A gyroscope at rest: noise around a bias that is not zero.
+
+    Parameters
+    ----------
+    time : array_like, shape (n,)  [s]
+    gyro : array_like, shape (n, 3)  [rad/s, body]
+        Drawn in deg/s.
+    bias : array_like, shape (3,)  [rad/s, body]
+    moved : pairs (start, end)  [s]
+        When the sensor was not at rest.
+
+    Returns
+    -------
+    Figure
+    """
+    time = as_floats(time, "time", None)
+    rates = np.degrees(as_floats(gyro, "gyro", time.size, 3, finite=False))
+    level = np.degrees(as_floats(bias, "bias", 3))
+    moved = list(moved)
+    fig, panels = figure(7.6, 4.8, rows=3, sharex=True)
+    for i, ax in enumerate(panels):
+        ax.plot(time, rates[:, i], color=RAW, linewidth=0.8)
+        constant = np.full_like(time, level[i])
+        draw_lines(ax, time, {f"bias\n{level[i]:+.3f}": (constant, MINE)}, linewidth=2.0)
+        ax.axhline(0.0, color=TRUTH, linewidth=0.8, linestyle=":")
+        for start, end in moved:
+            ax.axvspan(start, end, color=WARN, alpha=0.18, linewidth=0)
+        ax.set_title(f"Rate about {'xyz'[i]} [deg/s]")
+    for start, _ in moved:
+        panels[0].annotate(" moved", (start, 1), xycoords=WIDTH_OF_DATA, va="top", color=WARN)
+    panels[2].set_xlabel("time [s]")
+    return fig
 
 
-def in_ipython() -> bool:
-    """Whether there is an IPython session that a picture can be sent to."""
-    module = sys.modules.get("IPython")
-    return module is not None and module.get_ipython() is not None
+def _columns(values: ArrayLike, name: str, rows: int) -> FloatArray:
+    if np.ndim(values) == 1:
+        return as_floats(values, name, rows, finite=False)[:, None]
+    return as_floats(values, name, rows, None, finite=False)
+
+
+def _gaps_at_jumps(degrees: FloatArray) -> FloatArray:
+    """A copy with NaN where an angle jumps from 180 to -180: no line is drawn across."""
+    broken = degrees.copy()
+    broken[1:][np.abs(np.diff(degrees)) > 180.0] = np.nan
+    return broken

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 import uuid
 from collections.abc import Callable
@@ -10,7 +11,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from robocon_course.view.plots import in_ipython, publish, show
+from robocon_course.view.canvas import in_ipython, one_line, publish, show
 
 Drawing = Callable[..., tuple[Figure, str]]
 
@@ -44,7 +45,7 @@ def explore(draw: Drawing, /, **sliders: tuple[float, float, float, float] | lis
         return
     display_id = uuid.uuid4().hex
     publish(figure, twin, display_id)
-    print(f"Figure: {twin}")
+    print(f"Figure: {one_line(twin)}")
     _show_sliders(draw, sliders, display_id)
 
 
@@ -53,15 +54,16 @@ def _show_sliders(draw: Drawing, sliders: dict[str, Any], display_id: str) -> No
     from IPython.display import publish_display_data
 
     controls = {name: _control(name, spec) for name, spec in sliders.items()}
-    readout = ipywidgets.Label()
+    readout = ipywidgets.HTML()  # a Label would cut a long line off; HTML wraps it
 
     def redraw(change: Any) -> None:
         try:
             figure, twin = draw(**{name: control.value for name, control in controls.items()})
             publish(figure, twin, display_id, update=True)
-            readout.value = twin
+            readout.value = f"Now: {html.escape(twin)}"
         except Exception as error:  # a slider's exception would vanish into a log nobody reads
-            readout.value = f"{type(error).__name__}: {error} (the picture is the last that worked)"
+            message = html.escape(f"{type(error).__name__}: {error}")
+            readout.value = f"{message} <i>(The picture is the last that worked.)</i>"
 
     for control in controls.values():
         control.observe(redraw, names="value")

@@ -1,0 +1,239 @@
+"""Figures: one style, one palette with fixed meanings, and a line of text beside every picture.
+
+Nothing here touches ``pyplot``: a figure is an object that is drawn, turned into PNG bytes and
+shown. Every figure that is shown carries its *text twin*, one line with the numbers that matter,
+which is read aloud by a screen reader, searched, and compared by the tests.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import sys
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from robocon_course._arrays import FloatArray
+
+MINE = "#0072B2"
+"""What the student's own code produced."""
+REFERENCE = "#009E73"
+"""What the course's code produced."""
+TRUTH = "#222222"
+"""What really happened (only a simulator or a better instrument knows)."""
+RAW = "#9A9A9A"
+"""What the sensor said before anything was done to it."""
+WARN = "#D55E00"
+"""Where it goes wrong."""
+XYZ = ("#882255", "#8A8420", "#2A8C82")
+"""The three axes x, y, z of a sensor."""
+MEANINGS = {"mine": MINE, "reference": REFERENCE, "truth": TRUTH, "raw": RAW, "wrong": WARN}
+
+STYLE = {
+    "font.size": 10,
+    "text.color": TRUTH,
+    "axes.labelcolor": TRUTH,
+    "axes.edgecolor": "#777777",
+    "axes.facecolor": "white",
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": "#E6E6E6",
+    "grid.linewidth": 0.8,
+    "xtick.color": "#555555",
+    "ytick.color": "#555555",
+    "figure.facecolor": "white",
+    "figure.dpi": 110,
+}
+SHORTEST_TWIN = 20
+OTHERS = (MINE, WARN, REFERENCE, XYZ[0], XYZ[1])
+Lines = Mapping[str, tuple[FloatArray, str]]
+
+
+class Panel(Axes):
+    """Axes whose title stands bold at the left, where reading begins."""
+
+    def set_title(self, label: str, *args: Any, **kw: Any) -> Any:
+        """As ``Axes.set_title``, with the course's defaults."""
+        kw = {"loc": "left", "fontsize": 11, "fontweight": "bold"} | kw
+        return super().set_title(label, *args, **kw)
+
+
+def figure(
+    width: float = 7.0,
+    height: float = 3.5,
+    columns: int = 1,
+    rows: int = 1,
+    *,
+    mosaic: list[list[str]] | None = None,
+    **kw: Any,
+) -> tuple[Figure, Any]:
+    """An empty figure in the course's style, and its axes.
+
+    Parameters
+    ----------
+    width, height : float  [inch, at 110 dots per inch]
+    columns, rows : int
+        Panels side by side and one above the other.
+    mosaic : rows of panel names, optional
+        A freer layout, in the place of columns and rows.
+    **kw
+        Passed on to ``Figure.subplots`` (``sharex=True`` for instance).
+
+    Returns
+    -------
+    Figure
+    Axes, an array of Axes where there is more than one panel, or a mosaic's dictionary of them
+    """
+    with matplotlib.rc_context(STYLE):
+        fig = Figure(figsize=(width, height), layout="constrained")
+        FigureCanvasAgg(fig)
+        kw["subplot_kw"] = {"axes_class": Panel}
+        if mosaic is not None:
+            return fig, fig.subplot_mosaic(mosaic, **kw)
+        return fig, fig.subplots(rows, columns, **kw)
+
+
+def png(figure: Figure) -> bytes:
+    """The figure as the bytes of a PNG file."""
+    if not isinstance(figure, Figure):
+        raise ValueError(
+            f"figure: expected a matplotlib Figure, got {type(figure).__name__}; "
+            "a plot function of the course returns one"
+        )
+    stream = io.BytesIO()
+    with matplotlib.rc_context(STYLE):
+        figure.savefig(stream, format="png", dpi=STYLE["figure.dpi"])
+    return stream.getvalue()
+
+
+def show(figure: Figure, twin: str) -> None:
+    """Show a figure in the notebook, and print its text twin under it.
+
+    Parameters
+    ----------
+    figure : Figure
+    twin : str
+        One line with the numbers that matter, at least 20 characters: what somebody learns who
+        cannot see the picture. It is the picture's alt text too.
+
+    Raises
+    ------
+    ValueError
+        No figure, or a twin that is empty or shorter than 20 characters.
+    """
+    publish(figure, twin)
+    print(f"Figure: {one_line(twin)}")
+
+
+def publish(figure: Figure, twin: str, display_id: str | None = None, update: bool = False) -> None:
+    """Send a figure to the notebook, as a new output or in the place of ``display_id``.
+
+    Outside a notebook nothing is sent; the twin is still checked and the figure still drawn.
+    """
+    data, metadata = bundle(png(figure), one_line(twin))
+    if pyplot := sys.modules.get("matplotlib.pyplot"):
+        pyplot.close(figure)  # a student's own pyplot figure would come a second time otherwise
+    if in_ipython():
+        from IPython.display import publish_display_data
+
+        transient = {"display_id": display_id} if display_id else None
+        publish_display_data(data, metadata, transient=transient, update=update)
+
+
+def bundle(picture: bytes, twin: str) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
+    """Data and metadata of a notebook output that holds a picture and its words.
+
+    JupyterLab does not pass the alt text of the metadata on to the page, so a piece of HTML
+    does; the plain PNG stays beside it for every tool that looks for pictures.
+    """
+    encoded = base64.b64encode(picture).decode("ascii")
+    alt = html.escape(twin, quote=True)
+    data = {
+        "image/png": encoded,
+        "text/html": f'<img alt="{alt}" src="data:image/png;base64,{encoded}">',
+        "text/plain": twin,
+    }
+    return data, {"image/png": {"alt": twin}}
+
+
+def one_line(twin: str) -> str:
+    """The text twin as a single line; refuses one that says nothing."""
+    line = " ".join(twin.split()) if isinstance(twin, str) else ""
+    if len(line) < SHORTEST_TWIN:
+        raise ValueError(
+            f"twin: expected a line of at least {SHORTEST_TWIN} characters, got {twin!r}; "
+            "say in words and numbers what the picture shows"
+        )
+    return line
+
+
+def in_ipython() -> bool:
+    """Whether there is an IPython session that a picture can be sent to."""
+    module = sys.modules.get("IPython")
+    return module is not None and module.get_ipython() is not None
+
+
+def colours_of(labels: Iterable[str]) -> dict[str, str]:
+    """A colour per label: the fixed one where its first word has a meaning, else the next free."""
+    meant = {label: MEANINGS.get(label.lower().split()[0].strip(",:")) for label in labels if label}
+    free = iter([colour for colour in OTHERS if colour not in meant.values()] * len(meant))
+    return {label: colour or next(free, RAW) for label, colour in meant.items()}
+
+
+def draw_lines(ax: Axes, x: FloatArray | None, lines: Lines, **style: Any) -> None:
+    """Draw lines, with their names at their right ends instead of a key to look up.
+
+    Parameters
+    ----------
+    ax : Axes
+    x : ndarray, shape (n,), or None
+        None counts the samples.
+    lines : mapping of label to (values, colour)
+    **style
+        Passed on to ``Axes.plot``.
+    """
+    for values, colour in lines.values():
+        ax.plot(np.arange(values.size) if x is None else x, values, color=colour, **style)
+    ax.margins(x=0.0)
+    low, high = ax.get_ylim()
+    ends = {}
+    for label, (values, _) in lines.items():
+        tail = values[-max(1, values.size // 20) :]
+        known = tail[np.isfinite(tail)]
+        ends[label] = (known.mean() - low) / (high - low) if known.size else 0.0
+    inches = ax.get_position().height * ax.figure.get_figheight()
+    places = _spread(ends, {label: (1 + label.count("\n")) * 0.17 / inches for label in ends})
+    for label, place in places.items():
+        ax.annotate(
+            label,
+            (1, place),
+            (5, 0),
+            "axes fraction",
+            "offset points",
+            color=lines[label][1],
+            va="center",
+            fontweight="bold",
+        )
+
+
+def _spread(wanted: Mapping[str, float], heights: Mapping[str, float]) -> dict[str, float]:
+    """Places near the wanted ones at which labels of these heights do not overlap."""
+    places: dict[str, float] = {}
+    floor = 0.0
+    for label in sorted(wanted, key=lambda name: wanted[name]):
+        places[label] = max(wanted[label], floor + heights[label] / 2)
+        floor = places[label] + heights[label] / 2
+    ceiling = 1.0
+    for label in reversed(places):
+        places[label] = min(places[label], ceiling - heights[label] / 2)
+        ceiling = places[label] - heights[label] / 2
+    return places
