@@ -1,0 +1,185 @@
+"""The Mahony filter: turns from the gyroscope, pulled gently towards the accelerometer's gravity.
+
+With q the attitude (body -> map), a the accelerometer, w the gyroscope, both in body axes:
+
+    v  = third row of R(q)                  where up should be, seen from the body
+    e  = a/|a| x v                          how far it is off: axis times sine of the angle
+    b' = k_i e                              slow part: learns the gyroscope's bias (sign reversed)
+    q' = 1/2 q ⊗ (0, w + k_p e + b)         fast part: the gyroscope, pulled towards gravity
+
+A tilt error dies out as exp(-k_p t). Yaw is never corrected, gravity does not show it.
+
+Source: R. Mahony, T. Hamel, J.-M. Pflimlin, Nonlinear Complementary Filters on the Special
+Orthogonal Group, IEEE Transactions on Automatic Control 53(5), 2008, equations 48a to 48c.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from math import inf, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike
+
+from robocon_course._arrays import FloatArray, as_floats
+
+
+class MahonyGains(NamedTuple):
+    """How strongly the accelerometer pulls.
+
+    Attributes
+    ----------
+    k_p : float  [1/s]
+        A tilt error fades with the time constant 1/k_p. One second is long against a push
+        (the robot speeds up for less) and short against drift: a calibrated gyroscope is off by
+        0.02 deg/s at most, and so the tilt by 0.02 deg/s / k_p.
+    k_i : float  [1/s^2]
+        Learning rate of the bias; 0 leaves it to `calibrate_gyro`, which does not confuse a long
+        push with a bias.
+    gate : float  [m/s^2]
+        Samples whose norm differs from 9.80665 by more are not used to correct: they are a push,
+        not gravity. Infinity uses them all, and allows accelerometers in any unit.
+    """
+
+    k_p: float = 1.0
+    k_i: float = 0.0
+    gate: float = inf
+
+
+class MahonyState(NamedTuple):
+    """All the filter remembers between two samples.
+
+    Attributes
+    ----------
+    quaternion : ndarray, shape (4,)
+        Unit quaternion (w, x, y, z), body -> map.
+    integral : ndarray, shape (3,)  [rad/s, body]
+        What the filter adds to the gyroscope: its bias with the sign reversed.
+    """
+
+    quaternion: FloatArray
+    integral: FloatArray
+
+    @classmethod
+    def level(cls) -> MahonyState:
+        """Flat on the ground, x axis along the map's, nothing learnt yet."""
+        return cls(np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3))
+
+
+@njit(cache=True)
+def mahony_update(state, gyro, accel, dt, k_p, k_i, gate):
+    """One Mahony step on ``state`` = (w, x, y, z, ix, iy, iz), in place; was the sample used?
+
+    The kernel behind `mahony_step`, `AttitudeFilter` and `estimate_attitude`, for loops that
+    count nanoseconds. It trusts its input: float64 arrays of 7, 3 and 3 numbers, then floats.
+    """
+    w, x, y, z = state[0], state[1], state[2], state[3]
+    ix, iy, iz = state[4], state[5], state[6]
+    wx, wy, wz = gyro[0], gyro[1], gyro[2]
+    ax, ay, az = accel[0], accel[1], accel[2]
+    norm = sqrt(ax * ax + ay * ay + az * az)
+    used = 0.0 < norm < inf and abs(norm - 9.80665) <= gate
+    if used:
+        ax, ay, az = ax / norm, ay / norm, az / norm
+        # v = third row of R(q): up, as the body should see it
+        vx = 2.0 * (x * z - w * y)
+        vy = 2.0 * (w * x + y * z)
+        vz = w * w - x * x - y * y + z * z
+        # e = a x v
+        ex = ay * vz - az * vy
+        ey = az * vx - ax * vz
+        ez = ax * vy - ay * vx
+        ix += k_i * ex * dt
+        iy += k_i * ey * dt
+        iz += k_i * ez * dt
+        wx, wy, wz = wx + k_p * ex, wy + k_p * ey, wz + k_p * ez
+    # q + 1/2 q ⊗ (0, rate) dt, then back to length 1
+    hx, hy, hz = 0.5 * dt * (wx + ix), 0.5 * dt * (wy + iy), 0.5 * dt * (wz + iz)
+    qw = w - x * hx - y * hy - z * hz
+    qx = x + w * hx + y * hz - z * hy
+    qy = y + w * hy - x * hz + z * hx
+    qz = z + w * hz + x * hy - y * hx
+    norm = sqrt(qw * qw + qx * qx + qy * qy + qz * qz)
+    if not 0.0 < norm < inf:  # a gyroscope that says NaN or infinity ends here
+        return False
+    state[0], state[1], state[2], state[3] = qw / norm, qx / norm, qy / norm, qz / norm
+    state[4], state[5], state[6] = ix, iy, iz
+    return used
+
+
+def mahony_step(
+    state: MahonyState,
+    gyro: ArrayLike,
+    accel: ArrayLike,
+    dt: float,
+    gains: MahonyGains = MahonyGains(),  # noqa: B008 - a NamedTuple cannot change
+) -> MahonyState:
+    """Attitude after one more sample of gyroscope and accelerometer.
+
+    Parameters
+    ----------
+    state : MahonyState
+        Attitude before; it is left as it is.
+    gyro : array_like, shape (3,)  [rad/s, body]
+        A value that is not finite leaves the attitude as it was.
+    accel : array_like, shape (3,)  [m/s^2, body]
+        What the sensor reads: +9.8 on the axis that points up. Zero, not finite or outside the
+        gate: the gyroscope alone moves the attitude.
+    dt : float  [s]
+        Time since the sample before.
+    gains : MahonyGains
+
+    Returns
+    -------
+    MahonyState
+
+    Raises
+    ------
+    ValueError
+        Wrong shape, dt or gains. Never for a sensor value: this runs in a control loop.
+
+    Notes
+    -----
+    Mahony 2008, equations 48a to 48c, one Euler step. ``k_p`` multiplies the full cross product.
+
+    Examples
+    --------
+    >>> state = MahonyState.level()
+    >>> for _ in range(100):
+    ...     state = mahony_step(state, [0.0, 0.0, 0.5], [0.0, 0.0, 9.8], 0.01)
+    >>> state.quaternion.round(3).tolist()
+    [0.969, 0.0, 0.0, 0.247]
+    """
+    after = as_memory(state)
+    gyro, accel = as_reading(gyro, "gyro", 3), as_reading(accel, "accel", 3)
+    if not 0.0 < dt < inf:
+        raise ValueError(f"dt: must be a positive number of seconds, got {dt!r}")
+    mahony_update(after, gyro, accel, float(dt), *checked_gains(gains))
+    return MahonyState(after[:4], after[4:])
+
+
+def checked_gains(gains: MahonyGains) -> tuple[float, float, float]:
+    """The gains as the floats the kernel takes, refused if they cannot be gains."""
+    k_p, k_i, gate = gains
+    if not (0.0 <= k_p < inf and 0.0 <= k_i < inf and gate >= 0.0):
+        raise ValueError(f"gains: k_p, k_i and gate must not be negative or NaN, got {gains}")
+    return float(k_p), float(k_i), float(gate)
+
+
+def as_memory(state: MahonyState) -> FloatArray:
+    """The state as the one array that the kernel updates, (7,)."""
+    memory = np.empty(7)
+    memory[:4] = as_reading(state[0], "state.quaternion", 4)
+    memory[4:] = as_reading(state[1], "state.integral", 3)
+    return memory
+
+
+def as_reading(value: ArrayLike, name: str, size: int) -> FloatArray:
+    """`as_floats` for one sample, (size,): what is right passes at once, for the loop's sake."""
+    with suppress(TypeError, ValueError):
+        array = np.asarray(value, dtype=np.float64, order="C")
+        if array.shape == (size,):
+            return array
+    return as_floats(value, name, size, finite=False)
