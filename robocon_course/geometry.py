@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from robocon_course._arrays import FloatArray, as_floats
 
 TURN = 2.0 * np.pi
+GRAVITY = 9.80665  # m/s^2, standard gravity: what a sensor at rest reads along the map's z axis
 
 
 def as_vectors(value: ArrayLike, name: str, size: int) -> FloatArray:

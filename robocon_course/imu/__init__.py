@@ -14,6 +14,7 @@ degree. A magnetometer is left out: motors and servos bend its field by more tha
 ===============  ===============================================================
 """
 
+from robocon_course.geometry import GRAVITY
 from robocon_course.imu.attitude import (
     attitude_from_accel,
     euler_angles,
@@ -21,7 +22,6 @@ from robocon_course.imu.attitude import (
     inclination_error,
 )
 from robocon_course.imu.calibration import (
-    GRAVITY,
     AccelerometerCalibration,
     GyroCalibration,
     MovedError,

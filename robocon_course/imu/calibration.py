@@ -22,9 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robocon_course._arrays import CourseError, FloatArray, as_floats
-from robocon_course.geometry import as_vectors
-
-GRAVITY = 9.80665  # m/s^2, standard gravity
+from robocon_course.geometry import GRAVITY, as_vectors
 
 # A still log of 15 to 20 s has 1500 rows and more; below 100 a mean says little and a bump hides.
 FEWEST_ROWS = 100

@@ -23,8 +23,8 @@ from os import PathLike
 import numpy as np
 
 from robocon_course._arrays import FloatArray
+from robocon_course.geometry import GRAVITY
 from robocon_course.imu.attitude import euler_angles
-from robocon_course.imu.calibration import GRAVITY
 from robocon_course.imu.estimate import AttitudeLog
 
 _SECOND = {"": 1.0, "s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}

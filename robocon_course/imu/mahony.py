@@ -24,6 +24,7 @@ from numba import njit
 from numpy.typing import ArrayLike
 
 from robocon_course._arrays import FloatArray, as_floats
+from robocon_course.geometry import GRAVITY
 
 
 class MahonyGains(NamedTuple):
@@ -32,9 +33,9 @@ class MahonyGains(NamedTuple):
     Attributes
     ----------
     k_p : float  [1/s]
-        A tilt error fades with the time constant 1/k_p. One second is long against a push
-        (the robot speeds up for less) and short against drift: a calibrated gyroscope is off by
-        0.02 deg/s at most, and so the tilt by 0.02 deg/s / k_p.
+        A tilt error fades with the time constant 1/k_p, and a gyroscope's bias b leaves a tilt
+        of b/k_p. Two seconds average over a push and the braking that follows it; a calibrated
+        gyroscope, off by 0.02 deg/s, then costs 0.04 deg.
     k_i : float  [1/s^2]
         Learning rate of the bias; 0 leaves it to `calibrate_gyro`, which does not confuse a long
         push with a bias.
@@ -43,7 +44,7 @@ class MahonyGains(NamedTuple):
         not gravity. Infinity uses them all, and allows accelerometers in any unit.
     """
 
-    k_p: float = 1.0
+    k_p: float = 0.5
     k_i: float = 0.0
     gate: float = inf
 
@@ -80,7 +81,7 @@ def mahony_update(state, gyro, accel, dt, k_p, k_i, gate):
     wx, wy, wz = gyro[0], gyro[1], gyro[2]
     ax, ay, az = accel[0], accel[1], accel[2]
     norm = sqrt(ax * ax + ay * ay + az * az)
-    used = 0.0 < norm < inf and abs(norm - 9.80665) <= gate
+    used = 0.0 < norm < inf and abs(norm - GRAVITY) <= gate
     if used:
         ax, ay, az = ax / norm, ay / norm, az / norm
         # v = third row of R(q): up, as the body should see it
