@@ -2,7 +2,8 @@
 
 Map frame: metres, origin at the inner corner of the fence on our outer side, x towards the centre
 of the field, y from Area 1 to Area 3, z above the ground under the stage. Everything here is our
-half; the opponent's is its mirror image (`mirror`), the silos on the centre line belong to both.
+half, with the colours of the red team; the opponent's half is its mirror image, x -> 12 - x. The
+silos stand on the centre line and belong to both.
 
 Source: the rulebook's top view and two teams' CAD models and program constants, which agree to
 about 10 mm. Where CAD and drawing differ, the value lies between them.
@@ -58,6 +59,10 @@ class Rect(NamedTuple):
     def contains(self, x: float, y: float) -> bool:
         """Whether the point (x, y) [m, map] lies in the rectangle or on its edge."""
         return self.x0 <= x <= self.x1 and self.y0 <= y <= self.y1
+
+    def height_at(self, x: float, y: float) -> float:
+        """Height of the floor at (x, y) [m, map], above the ground under the stage [m]."""
+        return self.height + self.slope[0] * (x - self.x0) + self.slope[1] * (y - self.y0)
 
 
 class Line(NamedTuple):
@@ -125,6 +130,9 @@ PILE_BALLS: tuple[Point, ...] = tuple(
 PILE_EXAMPLE = tuple(RED if i + j in (2, 4) else PURPLE for i in range(4) for j in range(4))
 """Colours of `PILE_BALLS` in the rulebook's picture: 6 of ours, 10 empty."""
 
+STEPS = (Line(1.0, 4.0, EDGE, 4.0), Line(4.8, 8.0, EDGE, 8.0))
+"""Edges where the floor rises by 0.10 m at once."""
+
 # White lines, Robot 2's first.
 GUIDE_LINES = (
     Line(0.5, 0.0, 0.5, 6.42),
@@ -161,19 +169,3 @@ PILE_TARGET: Point = (1.0, 9.98)
 SILO_POST: Point = (4.2, 9.98)
 WAY_TO_AREA_3: tuple[Point, ...] = (START, (0.55, 6.42), (4.3, 6.42), AREA_3_GOAL)
 """By hand, along the guide lines and over both ramps."""
-
-
-def floor_height(rect: Rect, x: float, y: float) -> float:
-    """Height of a rectangle's floor at (x, y) [m, map], above the ground under the stage [m]."""
-    return rect.height + rect.slope[0] * (x - rect.x0) + rect.slope[1] * (y - rect.y0)
-
-
-def mirror(rect: Rect) -> Rect:
-    """The opponent's counterpart of one of our rectangles: x becomes 12 - x."""
-    return rect._replace(
-        x0=SIZE - rect.x1,
-        x1=SIZE - rect.x0,
-        height=floor_height(rect, rect.x1, rect.y0),
-        slope=(-rect.slope[0], rect.slope[1]),
-        colour=BLUE if rect.colour == RED else rect.colour,
-    )

@@ -192,6 +192,8 @@ def colours_of(labels: Iterable[str]) -> dict[str, str]:
 def draw_lines(ax: Axes, x: FloatArray | None, lines: Lines, **style: Any) -> None:
     """Draw lines, with their names at their right ends instead of a key to look up.
 
+    The truth becomes a broad pale band under all others: good estimates lie on it, not hide it.
+
     Parameters
     ----------
     ax : Axes
@@ -202,12 +204,13 @@ def draw_lines(ax: Axes, x: FloatArray | None, lines: Lines, **style: Any) -> No
         Passed on to ``Axes.plot``.
     """
     for values, colour in lines.values():
-        ax.plot(np.arange(values.size) if x is None else x, values, color=colour, **style)
+        own = style | {"linewidth": 4.5, "alpha": 0.3, "zorder": 1} if colour == TRUTH else style
+        ax.plot(np.arange(values.size) if x is None else x, values, color=colour, **own)
     ax.margins(x=0.0)
     low, high = ax.get_ylim()
     ends = {}
     for label, (values, _) in lines.items():
-        tail = values[-max(1, values.size // 20) :]
+        tail = values[-max(1, values.size // 50) :]
         known = tail[np.isfinite(tail)]
         ends[label] = (known.mean() - low) / (high - low) if known.size else 0.0
     inches = ax.get_position().height * ax.figure.get_figheight()

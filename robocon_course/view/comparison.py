@@ -40,12 +40,13 @@ def plot_counter_example(what: str, got: Any, expected: Any, unit: str = "") -> 
     pairs = list(_pairs(got, expected))[:MOST_PANELS]
     if not pairs:
         raise ValueError("got, expected: nothing in them can be drawn as numbers")
-    fig, panels = figure(7.6, 0.9 + 1.9 * len(pairs), rows=len(pairs), squeeze=False)
+    fig, panels = figure(7.6, 1.0 + 1.6 * len(pairs), rows=len(pairs), squeeze=False)
     for ax, (name, one, other) in zip(panels[:, 0], pairs, strict=True):
         draw = _draw_bars if other.size <= MOST_BARS and one.size <= MOST_BARS else _draw_series
         draw(ax, one, other)
-        ax.set_ylabel(" ".join(part for part in (name, f"[{unit}]" if unit else "") if part))
+        ax.set_ylabel(name or (f"[{unit}]" if unit else ""))
     panels[0, 0].set_title(what, wrap=True)
+    panels[0, 0].legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return fig
 
 
@@ -58,7 +59,7 @@ def _pairs(got: Any, expected: Any, name: str = "") -> Iterator[tuple[str, Float
     one, other = _numbers(got), _numbers(expected)
     if one.ndim == other.ndim == 2 and other.size > MOST_BARS:
         for k in range(min(one.shape[1], other.shape[1])):
-            yield f"{name} column {k}".strip(), one[:, k], other[:, k]
+            yield f"{name} [:, {k}]".strip(), one[:, k], other[:, k]
     elif one.size and other.size:
         yield name, one.ravel(), other.ravel()
 
@@ -66,9 +67,10 @@ def _pairs(got: Any, expected: Any, name: str = "") -> Iterator[tuple[str, Float
 def _numbers(value: Any) -> FloatArray:
     """An answer as floats, empty where it is none; it may be anything at all."""
     try:
-        return np.asarray(value if value is not None else [], dtype=np.float64)
+        numbers = np.asarray(value if value is not None else [], dtype=np.float64)
     except (TypeError, ValueError):
         return np.empty(0)
+    return np.where(np.isfinite(numbers), numbers, np.nan)
 
 
 def _draw_bars(ax: Axes, got: FloatArray, expected: FloatArray) -> None:
@@ -100,16 +102,11 @@ def _draw_bars(ax: Axes, got: FloatArray, expected: FloatArray) -> None:
     ax.set_xlim(-0.6, count - 0.4)
     ax.grid(axis="x", visible=False)
     ax.margins(y=0.12)
-    _draw_key(ax)
 
 
 def _draw_series(ax: Axes, got: FloatArray, expected: FloatArray) -> None:
     """Expected as a broad line, what came as a thin one upon it."""
     ax.plot(expected, color=REFERENCE, linewidth=4.0, alpha=0.55, label="expected")
     ax.plot(got, color=MINE, linewidth=1.2, label="came")
+    ax.margins(x=0.0)
     ax.set_xlabel("sample")
-    _draw_key(ax)
-
-
-def _draw_key(ax: Axes) -> None:
-    ax.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -43,6 +43,7 @@ __all__ = [
     "show",
 ]
 
+FEW = 60
 WIDTH_OF_DATA = ("data", "axes fraction")
 
 
@@ -164,16 +165,20 @@ def plot_sphere(raw: ArrayLike, corrected: ArrayLike, gravity: float = 9.80665) 
         ("raw", as_floats(raw, "raw", None, 3, finite=False), RAW, "x"),
         ("corrected", as_floats(corrected, "corrected", None, 3, finite=False), MINE, "."),
     )
+    reach = 1.05 * max(gravity, *(np.nanmax(np.abs(samples)) for _, samples, *_ in pairs))
     fig, panels = figure(7.6, 5.0, mosaic=_SPHERE, height_ratios=(1.45, 1))
     for ax, (i, j) in zip(panels.values(), _PLANES, strict=False):
         ax.add_patch(Circle((0, 0), gravity, fill=False, color=TRUTH, linewidth=1.0))
         for _, samples, colour, marker in pairs:
             ax.plot(samples[:, i], samples[:, j], marker, color=colour, markersize=4)
-        ax.set_aspect("equal", adjustable="datalim")
+        ax.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
         ax.set_title(f"{'xyz'[i]}{'xyz'[j]} plane [m/s²]")
     ax = panels["length"]
     lengths = {name: (np.linalg.norm(s, axis=1), colour) for name, s, colour, _ in pairs}
-    draw_lines(ax, None, lengths, linewidth=1.0, marker=".", markersize=4)
+    few = len(pairs[0][1]) <= FEW
+    style = {"linestyle": "none", "marker": "o"} if few else {"linewidth": 1.0}
+    draw_lines(ax, None, lengths, **style)
+    ax.margins(x=0.02)
     ax.axhline(gravity, color=TRUTH, linewidth=1.0)
     ax.set_title("Length of the measured vector; the line is gravity [m/s²]")
     ax.set_xlabel("sample")
@@ -208,14 +213,14 @@ def plot_still(
     fig, panels = figure(7.6, 4.8, rows=3, sharex=True)
     for i, ax in enumerate(panels):
         ax.plot(time, rates[:, i], color=RAW, linewidth=0.8)
-        constant = np.full_like(time, level[i])
-        draw_lines(ax, time, {f"bias\n{level[i]:+.3f}": (constant, MINE)}, linewidth=2.0)
         ax.axhline(0.0, color=TRUTH, linewidth=0.8, linestyle=":")
         for start, end in moved:
             ax.axvspan(start, end, color=WARN, alpha=0.18, linewidth=0)
+        label = f"bias\n{level[i]:+.3f}".replace("-", "−")
+        draw_lines(ax, time, {label: (np.full_like(time, level[i]), MINE)}, linewidth=2.0)
         ax.set_title(f"Rate about {'xyz'[i]} [deg/s]")
     for start, _ in moved:
-        panels[0].annotate(" moved", (start, 1), xycoords=WIDTH_OF_DATA, va="top", color=WARN)
+        panels[0].annotate("moved", (start, 1.03), xycoords=WIDTH_OF_DATA, color=WARN)
     panels[2].set_xlabel("time [s]")
     return fig
 
