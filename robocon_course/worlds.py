@@ -7,9 +7,16 @@ thousands of times coarser, removes that.
 
 from __future__ import annotations
 
+import functools
 import hashlib
+from dataclasses import dataclass
 
 import numpy as np
+
+from robocon_course._arrays import FloatArray
+from robocon_course.imu import attitude_from_accel
+from robocon_course.simulator import sensors
+from robocon_course.simulator.sensors import ImuErrors, imu_measurements
 
 
 def generator(student: int, *purpose: str) -> np.random.Generator:
@@ -24,3 +31,74 @@ def generator(student: int, *purpose: str) -> np.random.Generator:
     """
     key = "/".join([str(int(student)), *purpose]).encode()
     return np.random.Generator(np.random.PCG64(int.from_bytes(hashlib.sha256(key).digest()[:16])))
+
+
+DT = 0.01  # s, the phone's sample period
+MATCH = 180.0  # s
+GRAVITY = 9.80665  # m/s^2
+LEAN = 0.2  # rad: how far from upright a hand holds the phone during its slow turns
+
+
+@dataclass(frozen=True)
+class ImuWorld:
+    """One student's IMU and the logs it recorded.
+
+    Attributes
+    ----------
+    errors : ImuErrors
+        Biases, scales and noise of this very sensor: the truth that calibration looks for.
+    still : ndarray, shape (2000, 3)  [rad/s]
+        Gyroscope, 20 s at rest.
+    rests : ndarray, shape (6, 3)  [m/s^2]
+        Accelerometer, means of six resting positions: each axis up and down.
+    turns : ndarray, shape (n, 3)  [m/s^2]
+        Accelerometer during slow turns about three axes, never exactly vertical.
+    gyro, accel : ndarray, shape (18000, 3)  [rad/s, m/s^2]
+        A whole match, 180 s.
+    truth : ndarray, shape (18000, 4)
+        True attitude during the match (w, x, y, z).
+    """
+
+    errors: ImuErrors
+    still: FloatArray
+    rests: FloatArray
+    turns: FloatArray
+    gyro: FloatArray
+    accel: FloatArray
+    truth: FloatArray
+    dt: float = DT
+
+
+def own_imu(student: int, *purpose: str) -> ImuErrors:
+    """The errors of one student's IMU: larger than a good sensor's, so that they can be found."""
+    rng = generator(student, "imu errors", *purpose)
+    bias = np.radians(rng.uniform(0.15, 0.5, 3) * rng.choice([-1.0, 1.0], 3))
+    return ImuErrors(
+        gyro_bias=bias,
+        accel_bias=rng.uniform(0.05, 0.25, 3) * rng.choice([-1.0, 1.0], 3),
+        accel_scale=1.0 + rng.uniform(-0.025, 0.025, 3),
+    )
+
+
+@functools.lru_cache(maxsize=4)
+def imu_world(student: int) -> ImuWorld:
+    """Logs of one student's IMU: the same to the bit on every machine."""
+    rng, errors = generator(student, "imu logs"), own_imu(student)
+    still, _ = imu_measurements(*sensors.still(20.0, DT), DT, errors, rng)
+    _, turns = imu_measurements(*sensors.slow_turns(DT, lean=LEAN), DT, errors, rng)
+    truth, push = sensors.drive(MATCH, DT, rng)
+    gyro, accel = imu_measurements(truth, push, DT, errors, rng)
+    return ImuWorld(errors, still, rest_means(errors, rng), turns, gyro, accel, truth)
+
+
+def rest_means(errors: ImuErrors, rng: np.random.Generator) -> FloatArray:
+    """Means of six resting positions of 2 s, each axis up and down, shape (6, 3) [m/s^2]."""
+    means = []
+    for axis in range(3):
+        for sign in (1.0, -1.0):
+            up = np.zeros(3)
+            up[axis] = sign
+            tilt = attitude_from_accel(up)
+            _, accel = imu_measurements(*sensors.still(2.0, DT, tilt=tilt), DT, errors, rng)
+            means.append(accel.mean(axis=0))
+    return np.round(means, 4)

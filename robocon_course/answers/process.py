@@ -73,9 +73,9 @@ class AnswerProcess:
         """Call function ``name`` of the answer."""
         return self._ask(do="call", name=name, args=args, kwargs=kwargs or {})
 
-    def run(self, cells: list[str]) -> Reply:
+    def run(self, cells: list[str], student: int) -> Reply:
         """Run a notebook's cells; the value lists the numbers it passed to ``answer``."""
-        return self._ask(do="run", cells=cells)
+        return self._ask(do="run", cells=cells, student=student)
 
     def close(self) -> None:
         """End the process and everything it started."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import copy
 import math
+import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from robocon_course.answers.process import Reply
+from robocon_course.answers.process import AnswerProcess, Reply
 from robocon_course.exercises.compare import difference, fields_of, shown
 from robocon_course.exercises.model import (
     Case,
@@ -18,6 +19,7 @@ from robocon_course.exercises.model import (
     Outcome,
     Verdict,
 )
+from robocon_course.exercises.source import Answer
 from robocon_course.worlds import generator
 
 Ask = Callable[[tuple], Reply]
@@ -51,10 +53,40 @@ def judge(exercise: Exercise, ask: Ask, student: int = 0, salt: str = "public") 
         replies.append(ask(case.args))
         sentence = _problem(exercise, case, replies[-1])
         if sentence:
-            replies += _ask_the_rest(cases[len(replies) :], ask, replies[-1])
-            return _failed(exercise, cases, replies, case, sentence)
+            at = len(replies) - 1
+            replies += _ask_the_rest(cases[at + 1 :], ask, replies[-1])
+            return _failed(exercise, cases, replies, at, sentence)
     text = f"{len(cases)} of {len(cases)} cases are right."
     return _verdict(exercise, Outcome.PASSED, text, cases=(len(cases), len(cases)), replies=replies)
+
+
+def judge_answer(
+    process: AnswerProcess,
+    exercise: Exercise,
+    answer: Answer,
+    student: int,
+    *,
+    time_limit: float = math.inf,
+    salt: str = "public",
+) -> Verdict:
+    """Judge an assembled answer inside a running process."""
+    if answer.missing:
+        names = ", ".join(answer.missing)
+        text = (
+            f"{answer.name} uses {names}, which it is not given. In the robot there is no "
+            "notebook: pass it as an argument, import it, or work it out inside the function."
+        )
+        return no_answer(exercise, text)
+    process.allow(min(exercise.time_limit, time_limit))
+    loaded = process.load(answer.text, exercise.blocked)
+    if loaded.error:
+        return no_answer(exercise, f"Your code does not load: {loaded.error}: {loaded.message}")
+    return judge(exercise, lambda args: process.call(answer.name, args), student, salt)
+
+
+def no_answer(exercise: Exercise, message: str) -> Verdict:
+    """The verdict on code that could not be tried at all."""
+    return Verdict(exercise.id, Outcome.ERROR, 0.0, exercise.points, message)
 
 
 def judge_number(number: Number, value: Any, student: int = 0) -> Verdict:
@@ -76,7 +108,8 @@ def judge_number(number: Number, value: Any, student: int = 0) -> Verdict:
     if abs(value - number.truth(student)) <= number.tolerance:
         return verdict(Outcome.PASSED, f"{value:.4g} {number.unit} is right for your sensor.")
     for mistake in number.mistakes:
-        if abs(value - mistake.function(student)) <= number.tolerance:
+        # Two per cent: a small wrong number must not pass for another small wrong number.
+        if math.isclose(value, mistake.function(student), rel_tol=0.02):
             return verdict(Outcome.WRONG, mistake.message, mistake.name)
     text = f"{value:.4g} {number.unit} is not within {number.tolerance:g} {number.unit} of the truth."
     return verdict(Outcome.WRONG, text)
@@ -112,9 +145,10 @@ def _ask_the_rest(cases: Sequence[Case], ask: Ask, last: Reply) -> list[Reply]:
 
 
 def _failed(
-    exercise: Exercise, cases: Sequence[Case], replies: list[Reply], case: Case, sentence: str
+    exercise: Exercise, cases: Sequence[Case], replies: list[Reply], at: int, sentence: str
 ) -> Verdict:
-    reply = replies[cases.index(case)]
+    """The verdict when case number ``at`` is the first that failed."""
+    case, reply = cases[at], replies[at]
     special = _special(exercise, case, reply)
     if special:
         outcome, text = special
@@ -191,7 +225,7 @@ def _judge_score(exercise: Exercise, cases: Sequence[Case], ask: Ask) -> Verdict
         sentence = _problem(exercise, case, replies[-1]) if replies[-1].error else None
         sentence = sentence or _shape_problem(exercise, case, replies[-1])
         if sentence:
-            return _failed(exercise, cases[: len(replies)], replies, case, sentence)
+            return _failed(exercise, cases, replies, len(replies) - 1, sentence)
         errors.append(exercise.score.error(case, replies[-1].value))
     worst = max(errors, key=lambda e: math.inf if math.isnan(e) else e)
     share = exercise.score.share(worst)
@@ -207,7 +241,7 @@ def _judge_score(exercise: Exercise, cases: Sequence[Case], ask: Ask) -> Verdict
 def _shape_problem(exercise: Exercise, case: Case, reply: Reply) -> str | None:
     """A challenge's result must at least have the form of the reference's."""
     expected = exercise.reference(*copy.deepcopy(case.args))
-    return difference(reply.value, expected, math.inf, case.unit)
+    return difference(reply.value, expected, sys.float_info.max, case.unit)
 
 
 def _verdict(

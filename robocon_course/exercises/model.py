@@ -38,6 +38,8 @@ class Case:
     judge : callable, optional
         ``judge(reply) -> sentence or None``; takes the place of the comparison with the
         reference where a property, or a refusal, is what matters.
+    truth : object, optional
+        What the answer is measured against in a challenge; the answer never sees it.
     """
 
     what: str
@@ -45,6 +47,7 @@ class Case:
     unit: str = ""
     atol: float = 1e-9
     judge: Callable[[Reply], str | None] | None = None
+    truth: Any = None
 
 
 @dataclass(frozen=True)

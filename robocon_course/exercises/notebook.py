@@ -10,7 +10,7 @@ from typing import Any
 from robocon_course.answers.process import AnswerProcess
 from robocon_course.exercises import registry
 from robocon_course.exercises.display import EDGE, Shown, show_finding, shown_verdict
-from robocon_course.exercises.judge import judge, judge_number
+from robocon_course.exercises.judge import judge_answer, judge_number, no_answer
 from robocon_course.exercises.model import Exercise, Number, Outcome, Verdict
 from robocon_course.exercises.source import Answer, assemble, from_namespace, plain_code
 from robocon_course.exercises.workspace import Workspace
@@ -52,7 +52,7 @@ def begin(chapter: str, student: int | None = None, *, log: bool | None = None) 
     return workspace.student
 
 
-def check(exercise_id: str) -> Callable[..., Any]:
+def check(exercise_id: str, *, practice: bool = False) -> Callable[..., Any]:
     """Judge your function, say what came of it, and return the part to use from here on.
 
     Your own function if it was accepted, else the course's: later cells run either way.
@@ -61,6 +61,8 @@ def check(exercise_id: str) -> Callable[..., Any]:
     ----------
     exercise_id : str
         ``"imu.mahony_step"`` judges the function ``mahony_step`` of this notebook.
+    practice : bool
+        Show the verdict only: no points, nothing kept.
     """
     exercise = registry.exercise(exercise_id)
     if isinstance(exercise, Number):
@@ -69,8 +71,10 @@ def check(exercise_id: str) -> Callable[..., Any]:
     answer, verdict = _find(exercise)
     if answer:
         verdict = _judge_in_process(exercise, answer, workspace.student)
-    extra = _keep(workspace, exercise, answer, verdict)
-    _report(workspace, verdict, extra)
+    if practice:
+        _show(verdict, "Practice: nothing was noted.")
+        return exercise.reference
+    _report(workspace, verdict, _keep(workspace, exercise, answer, verdict))
     return _last[exercise_id] if verdict.accepted else exercise.reference
 
 
@@ -147,59 +151,25 @@ def _judge_in_process(exercise: Exercise, answer: Answer, student: int) -> Verdi
     return verdict
 
 
-def judge_answer(
-    process: AnswerProcess, exercise: Exercise, answer: Answer, student: int, salt: str = "public"
-) -> Verdict:
-    """Judge an assembled answer inside a running process."""
-    process.allow(exercise.time_limit)
-    loaded = process.load(answer.text, exercise.blocked)
-    if loaded.error:
-        return _stray(exercise, answer) or _error(
-            exercise, f"Your code does not load: {loaded.error}: {loaded.message}"
-        )
-    verdict = judge(
-        exercise, lambda args: process.call(answer.name, args), student=student, salt=salt
-    )
-    if verdict.outcome is Outcome.ERROR and "NameError" in verdict.message:
-        return _stray(exercise, answer) or verdict
-    return verdict
-
-
-def _stray(exercise: Exercise, answer: Answer) -> Verdict | None:
-    """Name the notebook variables that a function leans on."""
-    if not answer.missing:
-        return None
-    names = ", ".join(answer.missing)
-    return _error(
-        exercise,
-        f"{answer.name} uses {names}, which it is not given. In the robot there is no notebook: "
-        "pass it as an argument, import it, or work it out inside the function.",
-    )
-
-
-def _error(exercise: Exercise, message: str) -> Verdict:
-    return Verdict(exercise.id, Outcome.ERROR, 0.0, exercise.points, message)
-
-
 def _find(exercise: Exercise) -> tuple[Answer | None, Verdict | None]:
     """The student's function by name, or a verdict that says why there is none."""
     namespace = dict(_namespace())
     name = exercise.function_name
     broken = _broken_cell(name, namespace)
     if broken:
-        return None, _error(exercise, broken)
+        return None, no_answer(exercise, broken)
     found = namespace.get(name)
     if found is exercise.reference and exercise.id in _last:
         # The last check put the reference in its place; the student's own is what is judged.
         found = namespace[name] = _last[exercise.id]
     if found is None or found is exercise.reference:
         text = f"There is no function {name} in this notebook yet. Run the cell that defines it."
-        return None, _error(exercise, text)
+        return None, no_answer(exercise, text)
     _last[exercise.id] = found
     answer = assemble(name, from_namespace(namespace))
     if answer is None:
         text = f"{name} is not a function defined in a cell of this notebook (it is {found!r:.80})."
-        return None, _error(exercise, text)
+        return None, no_answer(exercise, text)
     return answer, None
 
 
@@ -240,10 +210,14 @@ def _keep(
 
 def _report(workspace: Workspace, verdict: Verdict, extra: str) -> None:
     workspace.note(verdict)
+    _show(verdict, extra)
+    # nbgrader counts a cell as solved unless it raises; a student's own run goes on.
+    if os.environ.get("NBGRADER_EXECUTION") and verdict.points < verdict.out_of:
+        raise AssertionError(str(verdict))
+
+
+def _show(verdict: Verdict, extra: str) -> None:
     from IPython.display import display
 
     display(shown_verdict(verdict, extra))
     show_finding(verdict)
-    # nbgrader counts a cell as solved unless it raises; a student's own run goes on.
-    if os.environ.get("NBGRADER_EXECUTION") and verdict.points < verdict.out_of:
-        raise AssertionError(str(verdict))

@@ -9,6 +9,7 @@ degree. A magnetometer is left out: motors and servos bend its field by more tha
 ``attitude``     tilt from gravity, angles, what they are worth
 ``mahony``       the filter, one step
 ``estimate``     the filter over time: a stream, or a whole log
+``motion``       the same for a rough drive with gaps
 ``logs``         recorded logs in, angles out (CSV)
 ``phone``        a phone as IMU, over UDP
 ===============  ===============================================================
@@ -32,6 +33,7 @@ from robocon_course.imu.calibration import (
 from robocon_course.imu.estimate import AttitudeFilter, AttitudeLog, estimate_attitude
 from robocon_course.imu.logs import ImuLog, read_log, write_angles
 from robocon_course.imu.mahony import MahonyGains, MahonyState, mahony_step, mahony_update
+from robocon_course.imu.motion import attitude_in_motion
 from robocon_course.imu.phone import Listener, Sample, listen
 
 __all__ = [
@@ -47,6 +49,7 @@ __all__ = [
     "MovedError",
     "Sample",
     "attitude_from_accel",
+    "attitude_in_motion",
     "calibrate_accelerometer",
     "calibrate_gyro",
     "estimate_attitude",

@@ -1,0 +1,49 @@
+"""Run a notebook's cells without checks or pictures, only to learn the numbers it hands in."""
+
+from __future__ import annotations
+
+import sys
+import types
+from typing import Any
+
+
+def run(cells: list[str], student: int) -> list[tuple[str, Any]]:
+    """Run cells in order, past any that raise, and return what ``answer`` was called with.
+
+    Parameters
+    ----------
+    cells : list of str
+        Plain Python, magics already removed.
+    student : int
+        The student number that ``begin`` hands out.
+
+    Returns
+    -------
+    list of (exercise id, value)
+    """
+    handed_in: list[tuple[str, Any]] = []
+    namespace: dict[str, Any] = {"__name__": "__main__"}
+
+    def check(exercise_id: str, **_: Any) -> Any:
+        return namespace.get(exercise_id.partition(".")[2])
+
+    doubles = types.ModuleType("robocon_course.exercises")
+    doubles.begin = lambda *_, **__: student
+    doubles.check = check
+    doubles.answer = lambda exercise_id, value: handed_in.append((exercise_id, value))
+    for name in ("hint", "status", "robot_parts"):
+        setattr(doubles, name, lambda *_, **__: None)
+    sys.modules["robocon_course.exercises"] = doubles
+    _draw_nothing()
+    for cell in cells:
+        try:
+            exec(compile(cell, "<cell>", "exec"), namespace)
+        except Exception:
+            continue  # an unsolved cell must not hide the answers of the others
+    return handed_in
+
+
+def _draw_nothing() -> None:
+    from robocon_course.view import plots, widgets
+
+    plots.show = widgets.explore = lambda *_, **__: None

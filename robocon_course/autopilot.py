@@ -1,0 +1,82 @@
+"""The robot's replaceable parts, and the order in which they run.
+
+Each part is one function of one chapter. The references stand here by default; an accepted answer
+takes the place of the reference of the same name. Chapters to come add their parts and their
+step of the way from a sensor reading to a command.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robocon_course import geometry, imu
+from robocon_course._arrays import FloatArray
+
+Part = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The robot's parts; ``mine`` names those that a student wrote."""
+
+    wrap_angle: Part = geometry.wrap_angle
+    calibrate_gyro: Part = imu.calibrate_gyro
+    calibrate_accelerometer: Part = imu.calibrate_accelerometer
+    fit_ellipsoid: Part = imu.fit_ellipsoid
+    gravity_direction: Part = imu.gravity_direction
+    mahony_step: Part = imu.mahony_step
+    euler_angles: Part = imu.euler_angles
+    mine: tuple[str, ...] = ()
+
+    @staticmethod
+    def names() -> tuple[str, ...]:
+        """Names of all parts, in the order in which data meets them."""
+        return tuple(f.name for f in fields(Parts) if f.name != "mine")
+
+    @property
+    def label(self) -> str:
+        """Which parts are the student's, in a few words for a figure."""
+        if not self.mine:
+            return "reference"
+        whole = len(self.mine) == len(self.names())
+        return "mine" if whole else f"mixed, mine: {', '.join(self.mine)}"
+
+
+def attitude_angles(
+    parts: Parts,
+    still: ArrayLike,
+    gyro: ArrayLike,
+    accel: ArrayLike,
+    dt: float,
+    *,
+    gains: imu.MahonyGains = imu.MahonyGains(),  # noqa: B008 - a NamedTuple cannot change
+) -> FloatArray:
+    """The robot's way from raw samples to roll, pitch and yaw: calibrate, filter, convert.
+
+    Parameters
+    ----------
+    parts : Parts
+    still : array_like, shape (m, 3)  [rad/s]
+        Gyroscope log at rest, before the start.
+    gyro : array_like, shape (n, 3)  [rad/s, body]
+    accel : array_like, shape (n, 3)  [m/s^2, body]
+    dt : float  [s]
+    gains : MahonyGains
+
+    Returns
+    -------
+    ndarray, shape (n, 3)  [rad]
+        Roll, pitch and yaw after each sample; yaw starts at 0.
+    """
+    rates = np.asarray(gyro, float) - np.asarray(parts.calibrate_gyro(still).bias)
+    state = imu.MahonyState(imu.attitude_from_accel(accel[0]), np.zeros(3))
+    angles = np.empty((len(rates), 3))
+    for row, (rate, force) in enumerate(zip(rates, np.asarray(accel, float), strict=True)):
+        state = parts.mahony_step(state, rate, force, dt, gains)
+        angles[row] = parts.euler_angles(state[0])
+    return angles

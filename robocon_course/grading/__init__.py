@@ -1,0 +1,1 @@
+"""Other people's notebooks: read without being run, judged in processes of their own."""
