@@ -73,7 +73,7 @@ def test_the_filter_on_a_perfect_gyroscope_follows_the_truth(name):
 
 
 def test_the_filter_with_accelerometer_lags_slow_turns_by_one_sample_at_most():
-    # The accelerometer of sample k is compared with the attitude of sample k - 1: fastest rate * dt.
+    # The accelerometer of sample k meets the attitude of sample k - 1: fastest rate * dt, 0.11 deg.
     quaternions, _ = motion = sensors.slow_turns(DT, turn=60.0)
     log = imu.estimate_attitude(*measured(motion), DT, gains=imu.MahonyGains(1.0))
     assert np.degrees(imu.inclination_error(log.quaternions, quaternions).max()) < 0.12
@@ -164,7 +164,7 @@ def test_a_last_bit_of_difference_in_the_motion_leaves_the_log_to_the_bit():
 def test_wrong_lengths_times_and_holes_are_refused():
     quaternions, accelerations = sensors.still(1.0, DT)
     rng = np.random.default_rng(0)
-    with pytest.raises(ValueError, match=r"accelerations: expected shape \(100, 3\), got \(99, 3\)"):
+    with pytest.raises(ValueError, match=r"accelerations: expected shape \(100, 3\)"):
         sensors.imu_measurements(quaternions, accelerations[1:], DT, PERFECT, rng)
     with pytest.raises(ValueError, match="dt: must be a positive"):
         sensors.imu_measurements(quaternions, accelerations, 0.0, PERFECT, rng)
