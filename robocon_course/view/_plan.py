@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike
 
 from robocon_course import field
 from robocon_course._arrays import FloatArray, as_floats
-from robocon_course.view.canvas import MINE, TRUTH, figure
+from robocon_course.view.canvas import MINE, TRUTH, figure, styled
 
 ROBOT_SIZE = 0.65
 PALE = 0.62
 """How far the opponent's half is mixed with white."""
 
 
+@styled()
 def draw_plan(way: ArrayLike | None = field.WAY_TO_AREA_3) -> Figure:
     """Plan of the game field with Robot 2 at its start, y to the north.
 

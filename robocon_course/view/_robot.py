@@ -11,7 +11,7 @@ from matplotlib.patches import Circle, FancyArrow, FancyBboxPatch, Rectangle, We
 from matplotlib.transforms import Affine2D, Transform
 
 from robocon_course.field import BALL_DIAMETER
-from robocon_course.view.canvas import MINE, TRUTH, WARN, XYZ, figure
+from robocon_course.view.canvas import MINE, TRUTH, WARN, XYZ, figure, styled
 
 SIZE = 0.65
 MODULE = 0.235
@@ -34,6 +34,7 @@ LABELS = (  # words, where they stand, what they point at; on the page: right, u
 )
 
 
+@styled()
 def draw_robot() -> Figure:
     """The robot from above: x, forward, points up on the page and y to the left.
 

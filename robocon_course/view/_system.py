@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
 
-from robocon_course.view.canvas import MINE, REFERENCE, TRUTH, figure
+from robocon_course.view.canvas import MINE, REFERENCE, TRUTH, figure, styled
 
 WIDTH, HEIGHT, PITCH, LANE = 1.16, 0.56, 1.42, 1.3
 QUIET = "#6B7280"
@@ -49,16 +49,17 @@ KEY = (
     ("●", "handed on to the next step", "#9AA1A9"),
     ("⇠", "helps where it points", QUIET),
 )
-CHAPTERS = sorted({box.chapter for box in BOXES + HELPERS} - {""})
+CHAPTERS = ("00", *sorted({box.chapter for box in BOXES + HELPERS} - {""}))
 
 
+@styled()
 def draw_system(done: Iterable[int | str] = (), here: int | str | None = None) -> Figure:
     """The robot's program as boxes, each with the number of the chapter that builds it.
 
     Parameters
     ----------
     done : chapters, as 1 or "01"
-        Marked with a tick.
+        Marked with a tick. Chapter 00 comes before all boxes and marks none.
     here : chapter, optional
         Highlighted.
 

@@ -11,11 +11,13 @@ import base64
 import html
 import io
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import matplotlib
 import numpy as np
+from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -36,12 +38,16 @@ XYZ = ("#882255", "#8A8420", "#2A8C82")
 """The three axes x, y, z of a sensor."""
 MEANINGS = {"mine": MINE, "reference": REFERENCE, "truth": TRUTH, "raw": RAW, "wrong": WARN}
 
+OTHERS = (MINE, WARN, REFERENCE, *XYZ)
+"""For lines without a fixed meaning, in this order."""
+
 STYLE = {
     "font.size": 10,
     "text.color": TRUTH,
     "axes.labelcolor": TRUTH,
     "axes.edgecolor": "#777777",
     "axes.facecolor": "white",
+    "axes.prop_cycle": cycler(color=OTHERS),
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.spines.top": False,
@@ -52,9 +58,9 @@ STYLE = {
     "ytick.color": "#555555",
     "figure.facecolor": "white",
     "figure.dpi": 110,
+    "legend.frameon": False,
 }
 SHORTEST_TWIN = 20
-OTHERS = (MINE, WARN, REFERENCE, XYZ[0], XYZ[1])
 Lines = Mapping[str, tuple[FloatArray, str]]
 
 
@@ -65,6 +71,18 @@ class Panel(Axes):
         """As ``Axes.set_title``, with the course's defaults."""
         kw = {"loc": "left", "fontsize": 11, "fontweight": "bold"} | kw
         return super().set_title(label, *args, **kw)
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """The course's style for what is drawn inside, whatever style the notebook has set.
+
+    Serves as a decorator too. Everything is put back afterwards.
+    """
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(STYLE)
+        yield
 
 
 def figure(
@@ -93,7 +111,7 @@ def figure(
     Figure
     Axes, an array of Axes where there is more than one panel, or a mosaic's dictionary of them
     """
-    with matplotlib.rc_context(STYLE):
+    with styled():
         fig = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(fig)
         kw["subplot_kw"] = {"axes_class": Panel}
@@ -110,7 +128,7 @@ def png(figure: Figure) -> bytes:
             "a plot function of the course returns one"
         )
     stream = io.BytesIO()
-    with matplotlib.rc_context(STYLE):
+    with styled():
         figure.savefig(stream, format="png", dpi=STYLE["figure.dpi"])
     return stream.getvalue()
 

@@ -10,13 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from robocon_course._arrays import FloatArray
-from robocon_course.view.canvas import MINE, REFERENCE, figure
+from robocon_course.view.canvas import MINE, REFERENCE, figure, styled
 
 MOST_BARS = 12
 MOST_NOTES = 6
 MOST_PANELS = 4
 
 
+@styled()
 def plot_counter_example(what: str, got: Any, expected: Any, unit: str = "") -> Figure:
     """What came beside what was expected: bars for a few numbers, lines for a series.
 

@@ -22,6 +22,7 @@ from robocon_course.view.canvas import (
     figure,
     png,
     show,
+    styled,
 )
 from robocon_course.view.comparison import plot_counter_example
 
@@ -47,6 +48,7 @@ FEW = 60
 WIDTH_OF_DATA = ("data", "axes fraction")
 
 
+@styled()
 def plot_imu(time: ArrayLike, gyro: ArrayLike, accel: ArrayLike) -> Figure:
     """What an IMU said: angular rates above, specific force below.
 
@@ -76,12 +78,13 @@ def plot_imu(time: ArrayLike, gyro: ArrayLike, accel: ArrayLike) -> Figure:
     return fig
 
 
+@styled()
 def plot_angles(
     time: ArrayLike,
     angles: Mapping[str, ArrayLike],
     truth: ArrayLike | None = None,
     *,
-    names: tuple[str, ...] = ("roll", "pitch", "yaw"),
+    names: tuple[str, ...] | None = None,
 ) -> Figure:
     """Angles over time, one panel per angle, one line per source.
 
@@ -92,8 +95,8 @@ def plot_angles(
         Drawn in degrees. A label that begins with mine, reference, raw or wrong gets the colour
         that means this in all chapters.
     truth : array_like, shape as the angles, optional  [rad]
-    names : tuple of str
-        Titles of the panels.
+    names : tuple of str, optional
+        Titles of the panels; without them "angle", or roll, pitch and yaw.
 
     Returns
     -------
@@ -102,7 +105,9 @@ def plot_angles(
     time = as_floats(time, "time", None)
     series = dict(angles) if truth is None else dict(angles) | {"truth": truth}
     columns = {label: _columns(values, label, time.size) for label, values in series.items()}
-    count = min(len(names), max(values.shape[1] for values in columns.values()))
+    count = max(values.shape[1] for values in columns.values())
+    names = names or (("roll", "pitch", "yaw") if count > 1 else ("angle",))
+    count = min(count, len(names))
     colours = colours_of(columns)
     fig, panels = figure(7.6, 1.0 + 1.75 * count, rows=count, sharex=True, squeeze=False)
     for k, ax in enumerate(panels[:, 0]):
@@ -117,6 +122,7 @@ def plot_angles(
     return fig
 
 
+@styled()
 def plot_tilt_error(time: ArrayLike, errors: Mapping[str, ArrayLike]) -> Figure:
     """How far the estimated vertical is off, over time; each line says its RMS.
 
@@ -148,6 +154,7 @@ _PLANES = ((0, 1), (0, 2), (1, 2))
 _SPHERE = [["xy", "xz", "yz"], ["length", "length", "length"]]
 
 
+@styled()
 def plot_sphere(raw: ArrayLike, corrected: ArrayLike, gravity: float = 9.80665) -> Figure:
     """Accelerometer samples before and after calibration, against the sphere of radius gravity.
 
@@ -185,6 +192,7 @@ def plot_sphere(raw: ArrayLike, corrected: ArrayLike, gravity: float = 9.80665) 
     return fig
 
 
+@styled()
 def plot_still(
     time: ArrayLike,
     gyro: ArrayLike,
