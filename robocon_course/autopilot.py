@@ -43,17 +43,18 @@ class Parts:
         """Which parts are the student's, in a few words for a figure."""
         if not self.mine:
             return "reference"
-        whole = len(self.mine) == len(self.names())
-        return "mine" if whole else f"mixed, mine: {', '.join(self.mine)}"
+        count, whole = len(self.mine), len(self.names())
+        return "mine" if count == whole else f"mixed, {count} of {whole} parts mine"
 
 
 def attitude_angles(
     parts: Parts,
     still: ArrayLike,
+    rests: ArrayLike,
     gyro: ArrayLike,
     accel: ArrayLike,
-    dt: float,
     *,
+    dt: float,
     gains: imu.MahonyGains = imu.MahonyGains(),  # noqa: B008 - a NamedTuple cannot change
 ) -> FloatArray:
     """The robot's way from raw samples to roll, pitch and yaw: calibrate, filter, convert.
@@ -62,7 +63,9 @@ def attitude_angles(
     ----------
     parts : Parts
     still : array_like, shape (m, 3)  [rad/s]
-        Gyroscope log at rest, before the start.
+        Gyroscope at rest, before the start.
+    rests : array_like, shape (6, 3)  [m/s^2]
+        Accelerometer in six positions.
     gyro : array_like, shape (n, 3)  [rad/s, body]
     accel : array_like, shape (n, 3)  [m/s^2, body]
     dt : float  [s]
@@ -73,10 +76,12 @@ def attitude_angles(
     ndarray, shape (n, 3)  [rad]
         Roll, pitch and yaw after each sample; yaw starts at 0.
     """
-    rates = np.asarray(gyro, float) - np.asarray(parts.calibrate_gyro(still).bias)
-    state = imu.MahonyState(imu.attitude_from_accel(accel[0]), np.zeros(3))
+    slow, ruler = parts.calibrate_gyro(still), parts.calibrate_accelerometer(rests)
+    rates = np.asarray(gyro, float) - slow.bias
+    forces = (np.asarray(accel, float) - ruler.bias) * ruler.scale
+    state = imu.MahonyState(imu.attitude_from_accel(forces[0]), np.zeros(3))
     angles = np.empty((len(rates), 3))
-    for row, (rate, force) in enumerate(zip(rates, np.asarray(accel, float), strict=True)):
+    for row, (rate, force) in enumerate(zip(rates, forces, strict=True)):
         state = parts.mahony_step(state, rate, force, dt, gains)
         angles[row] = parts.euler_angles(state[0])
     return angles

@@ -102,3 +102,66 @@ def rest_means(errors: ImuErrors, rng: np.random.Generator) -> FloatArray:
             _, accel = imu_measurements(*sensors.still(2.0, DT, tilt=tilt), DT, errors, rng)
             means.append(accel.mean(axis=0))
     return np.round(means, 4)
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One log on the way from an ideal sensor to a real one.
+
+    Attributes
+    ----------
+    still : ndarray, shape (m, 3)  [rad/s]
+        Gyroscope at rest before the drive.
+    rests : ndarray, shape (6, 3)  [m/s^2]
+        Accelerometer in six positions.
+    gyro, accel : ndarray, shape (n, 3)  [rad/s, m/s^2]
+    truth : ndarray, shape (n, 4)
+        True attitude (w, x, y, z).
+    """
+
+    still: FloatArray
+    rests: FloatArray
+    gyro: FloatArray
+    accel: FloatArray
+    truth: FloatArray
+
+
+PERFECT = ImuErrors(
+    gyro_bias=(0.0, 0.0, 0.0), gyro_noise_density=0.0, gyro_walk=0.0, accel_noise_density=0.0
+)
+
+
+def imu_rungs(student: int, duration: float = 30.0) -> dict[str, Rung]:
+    """The same kind of drive three times: an ideal IMU, the student's own, and a rough link."""
+    own = own_imu(student)
+    rungs = {}
+    for name, errors in (("ideal", PERFECT), ("noisy", own), ("rough", own)):
+        rng = generator(student, "rung", name)
+        truth, push = sensors.drive(duration, DT, rng)
+        gyro, accel = imu_measurements(truth, push, DT, errors, rng)
+        if name == "rough":
+            gyro, accel = roughen(gyro, accel, errors, rng)
+        still, _ = imu_measurements(*sensors.still(15.0, DT), DT, errors, rng)
+        rungs[name] = Rung(still, rest_means(errors, rng), gyro, accel, truth)
+    return rungs
+
+
+def rough_drive(rng: np.random.Generator, duration: float = 40.0) -> Rung:
+    """A drive over a bad radio link, with a bias nobody measured; its first second is at rest."""
+    errors = ImuErrors(gyro_bias=np.radians(rng.uniform(-0.4, 0.4, 3)))
+    truth, push = sensors.drive(duration, DT, rng)
+    gyro, accel = roughen(*imu_measurements(truth, push, DT, errors, rng), errors, rng)
+    return Rung(gyro[:80], rest_means(errors, rng), gyro, accel, truth)
+
+
+def roughen(
+    gyro: FloatArray, accel: FloatArray, errors: ImuErrors, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    """Twelve gaps of up to 0.11 s as NaN, and 25 hits that saturate the accelerometer."""
+    gyro, accel = gyro.copy(), accel.copy()
+    for start in rng.integers(100, len(gyro) - 100, 12):
+        gap = slice(start, start + int(rng.integers(2, 12)))
+        gyro[gap] = accel[gap] = np.nan
+    for row in rng.integers(100, len(gyro), 25):
+        accel[row] = rng.choice([-1.0, 1.0], 3) * errors.accel_range
+    return gyro, accel

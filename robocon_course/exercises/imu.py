@@ -375,6 +375,7 @@ GRAVITY_DIRECTION = Exercise(
 
 def _mahony_step_cases(student: int, rng: np.random.Generator) -> list[Case]:
     p, pi = imu.MahonyGains(1.0, 0.0), imu.MahonyGains(1.5, 0.3)
+    gated = imu.MahonyGains(1.0, 0.1, gate=0.5)
     level, up = imu.MahonyState(np.array([1.0, 0, 0, 0]), np.zeros(3)), [0.0, 0.0, GRAVITY]
     leaning = imu.MahonyState(geometry.quaternion_from_euler(0.3, 0.0, 0.0), np.zeros(3))
     calm, nan = np.zeros(3), np.full(3, np.nan)
@@ -386,6 +387,8 @@ def _mahony_step_cases(student: int, rng: np.random.Generator) -> list[Case]:
         ("the accelerometer sample is missing (NaN)", leaning, [0.1, 0.2, 0.3], nan, pi),
         ("free fall: the accelerometer reads 0", leaning, [0.1, 0.2, 0.3], calm, pi),
         ("the gyroscope sample is missing (NaN)", leaning, nan, up, pi),
+        ("a push of 3 m/s², gate 0.5 m/s²", leaning, calm, [3.0, 0.0, GRAVITY + 1], gated),
+        ("no push, gate 0.5 m/s²", leaning, calm, [0.2, 0.0, GRAVITY], gated),
     ]
     for quaternion in _attitudes(rng, 6):
         state = imu.MahonyState(quaternion, rng.uniform(-0.05, 0.05, 3))
@@ -407,6 +410,7 @@ def _mahony(
     half: float = 0.5,
     normalise: bool = True,
     careful: bool = True,
+    gated: bool = True,
     rate: Callable[[np.ndarray], np.ndarray] = lambda gyro: gyro,
 ) -> Callable[..., imu.MahonyState]:
     """The filter with one of its steps done wrongly."""
@@ -423,7 +427,8 @@ def _mahony(
             return imu.MahonyState(q, integral)
         push = np.zeros(3)
         length = np.linalg.norm(accel)
-        if not careful or (np.isfinite(length) and length > 0):
+        inside = not gated or abs(length - GRAVITY) <= gains.gate
+        if not careful or (0 < length < np.inf and inside):
             with np.errstate(all="ignore"):
                 push = error(accel / length if unit else accel, up(q))
         integral = integral + gains.k_i * push * (dt if integral_dt else 1.0)
@@ -442,7 +447,8 @@ MAHONY_STEP = Exercise(
     cases=_mahony_step_cases,
     hints=(
         "Five lines: error, integral, corrected rate, turn the quaternion, normalise. Before "
-        "them: without a gyroscope sample return the state, without an accelerometer the error is 0.",
+        "them: without a gyroscope sample return the state; the error is 0 unless "
+        "0 < |a| < inf and the length is within the gate.",
         "error = cross(measured up, estimated up); integral += k_i · error · dt; "
         "rate = gyro + k_p · error + integral.",
         "q + 0.5 · dt · (q ⊗ (0, rate)), then divide by its length. "
@@ -494,6 +500,12 @@ MAHONY_STEP = Exercise(
             "A missing sample (NaN) or free fall gets into the attitude, and stays there for the rest "
             "of the match. Skip what is not finite or has no direction.",
             _mahony(careful=False),
+        ),
+        Mistake(
+            "gate forgotten",
+            "The gate is not used: a sample whose length is further than gains.gate from 9.80665 "
+            "is a push, not gravity, and must not correct the tilt.",
+            _mahony(gated=False),
         ),
         Mistake(
             "degrees",
@@ -679,26 +691,9 @@ OWN_DRIFT = Number(
 # --- challenge --------------------------------------------------------------------------------
 
 
-def rough_drive(
-    rng: np.random.Generator, duration: float = 40.0
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A drive over a bad radio link: gyro, accel (n, 3) with gaps and hits, and truth (n, 4)."""
-    truth, push = sensors.drive(duration, DT, rng)
-    errors = sensors.ImuErrors(gyro_bias=np.radians(rng.uniform(-0.4, 0.4, 3)))
-    gyro, accel = sensors.imu_measurements(truth, push, DT, errors, rng)
-    for start in rng.integers(100, len(gyro) - 100, 12):
-        gap = slice(start, start + int(rng.integers(2, 12)))
-        gyro[gap] = accel[gap] = np.nan
-    for row in rng.integers(100, len(gyro), 25):
-        accel[row] = rng.choice([-1.0, 1.0], 3) * errors.accel_range
-    return gyro, accel, truth
-
-
 def _attitude_in_motion_cases(student: int, rng: np.random.Generator) -> list[Case]:
-    drives = [rough_drive(rng) for _ in range(3)]
-    return [
-        Case("a rough drive", (gyro, accel, DT), truth=truth) for gyro, accel, truth in drives
-    ]
+    drives = [worlds.rough_drive(rng) for _ in range(3)]
+    return [Case("a rough drive", (d.gyro, d.accel, DT), truth=d.truth) for d in drives]
 
 
 def _tilt_rms(case: Case, quaternions: np.ndarray) -> float:

@@ -219,5 +219,9 @@ def _report(workspace: Workspace, verdict: Verdict, extra: str) -> None:
 def _show(verdict: Verdict, extra: str) -> None:
     from IPython.display import display
 
-    display(shown_verdict(verdict, extra))
+    display(shown_verdict(verdict, extra or _advice(verdict)))
     show_finding(verdict)
+
+
+def _advice(verdict: Verdict) -> str:
+    return "" if verdict.points == verdict.out_of else f'Stuck? hint("{verdict.id}")'
