@@ -38,12 +38,19 @@ def as_floats(value: ArrayLike, name: str, *shape: int | None, finite: bool = Tr
         array = np.asarray(value, dtype=np.float64, order="C")
     except (TypeError, ValueError):
         raise ValueError(f"{name}: expected numbers, got {type(value).__name__}") from None
-    wanted = "(" + ", ".join("n" if n is None else str(n) for n in shape) + ("," if len(shape) == 1 else "") + ")"
+    wanted = (
+        "("
+        + ", ".join("n" if n is None else str(n) for n in shape)
+        + ("," if len(shape) == 1 else "")
+        + ")"
+    )
     if array.ndim != len(shape) or any(
         n is not None and n != got for n, got in zip(shape, array.shape, strict=True)
     ):
         raise ValueError(f"{name}: expected shape {wanted}, got {array.shape}")
     if finite and not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise ValueError(f"{name}: entry {where} is not a finite number; remove it or mend it first")
+        raise ValueError(
+            f"{name}: entry {where} is not a finite number; remove it or mend it first"
+        )
     return array

@@ -38,15 +38,28 @@ def _refusals() -> Iterator[None]:
     """Turn the course's own refusals into one sentence and exit code 2."""
     try:
         yield
-    except (CourseError, ValueError, OSError) as error:
-        Console(stderr=True, highlight=False).print(f"[bold]robocon:[/bold] {escape(str(error))}")
+    except ModuleNotFoundError as error:
+        _say(f'this needs {error.name}: pip install -e ".[instructor]"')
         raise typer.Exit(UNUSABLE) from None
+    except (CourseError, ValueError, OSError) as error:
+        _say(str(error))
+        raise typer.Exit(UNUSABLE) from None
+
+
+def _say(sentence: str) -> None:
+    err = Console(stderr=True, highlight=False, soft_wrap=True)
+    err.print(f"[bold]robocon:[/bold] {escape(sentence)}")
 
 
 @contextmanager
 def _progress(title: str, total: int) -> Iterator[Callable[[str], None]]:
     """A progress bar; the function it hands out counts one and names what is done."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=total)
         yield lambda done: bar.update(task, advance=1, description=escape(f"{title}: {done}"))

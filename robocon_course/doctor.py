@@ -110,10 +110,14 @@ def _vision() -> Iterator[Line]:
     """Only training in chapter 06 needs these; their absence is no illness."""
     found = {name: _version(name) for name in VISION}
     if not any(found.values()):
-        yield Line("vision", True, 'not installed; training in chapter 06 needs pip install -e ".[vision]"')
+        yield Line(
+            "vision", True, 'not installed; training in chapter 06 needs pip install -e ".[vision]"'
+        )
         return
     for name, version in found.items():
-        yield Line(name, version is not None, version or "not installed", 'pip install -e ".[vision]"')
+        yield Line(
+            name, version is not None, version or "not installed", 'pip install -e ".[vision]"'
+        )
     torch, vision = (found[n] or "" for n in ("torch", "torchvision"))
     wanted = PAIRS.get(".".join(torch.split(".")[:2]))
     if torch and vision and wanted and not vision.startswith(f"{wanted}."):

@@ -59,7 +59,9 @@ def read_source(path: Path) -> NotebookNode:
         {
             "kernelspec": KERNEL,
             "language_info": {"name": "python"},
-            "robocon": {"generated": f"generated, edit solutions/{path.name} and run: robocon build"},
+            "robocon": {
+                "generated": f"generated, edit solutions/{path.name} and run: robocon build"
+            },
         }
     )
     taken: set[str] = set()
@@ -183,7 +185,7 @@ def figure_problems(cell: NotebookNode) -> Iterator[str]:
         alt = output.get("metadata", {}).get("image/png", {}).get("alt", "")
         first = cell.source.splitlines()[0] if cell.source else ""
         if not alt.strip():
-            yield f"a figure without alt text in the cell {first!r}; draw it with show(figure, twin)"
+            yield f"a figure without alt text in the cell {first!r}; use show(figure, twin)"
         elif alt not in printed and alt not in output.data.get("text/plain", ""):
             yield f"a figure without its text twin in the cell {first!r}"
 
@@ -260,17 +262,14 @@ def _strip(cell: NotebookNode) -> None:
 
 
 def _mark_problems(cell: NotebookNode, about: dict[str, str]) -> Iterator[str]:
-    begins = re.findall(r"### BEGIN SOLUTION", cell.source)
-    ends = re.findall(r"### END SOLUTION", cell.source)
     first = cell.source.splitlines()[0] if cell.source else ""
-    order = re.sub(r"[^BE]", "", "".join("B" if "BEGIN SOLUTION" in line else "E"
-                   for line in cell.source.splitlines() if "### BEGIN SOLUTION" in line or "### END SOLUTION" in line))
-    if len(begins) != len(ends) or "BB" in order or "EE" in order or order.startswith("E"):
+    marks = re.findall(r"### (BEGIN|END) SOLUTION", cell.source)
+    if marks != ["BEGIN", "END"] * (len(marks) // 2):
         yield f"unbalanced solution marks in the cell {first!r}"
     solves = "exercise" in about or "answer" in about
-    if solves and not begins:
+    if solves and not marks:
         yield f"no solution marks in the cell {first!r}"
-    if begins and not solves:
+    if marks and not solves:
         yield f"solution marks in a cell that names no exercise: {first!r}"
     if "exercise" in about and re.search(r"^### BEGIN SOLUTION", cell.source, re.MULTILINE):
         yield f"solution outside a function in the cell {first!r}; its stub would raise at the top"
@@ -323,7 +322,9 @@ def _markdown(notebook: NotebookNode) -> list[NotebookNode]:
 
 def _headings(markdown: str) -> list[tuple[int, str]]:
     text = re.sub(r"```.*?```", "", markdown, flags=re.DOTALL)
-    return [(len(marks), title) for marks, title in re.findall(r"^(#+)\s+(.+)$", text, re.MULTILINE)]
+    return [
+        (len(marks), title) for marks, title in re.findall(r"^(#+)\s+(.+)$", text, re.MULTILINE)
+    ]
 
 
 def _role(cell: NotebookNode, role: str) -> bool:

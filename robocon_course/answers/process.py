@@ -142,7 +142,11 @@ def _environment() -> dict[str, str]:
     threads = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
     # The worker must find the package even where it was put on the path by hand.
     paths = [str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])]
-    return os.environ | dict.fromkeys(threads, "1") | {
-        "PYTHONPATH": os.pathsep.join(paths),
-        "MPLBACKEND": "Agg",
-    }
+    return (
+        os.environ
+        | dict.fromkeys(threads, "1")
+        | {
+            "PYTHONPATH": os.pathsep.join(paths),
+            "MPLBACKEND": "Agg",
+        }
+    )

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-
 READY = b'"ready"\n'  # the first line a worker writes
 
 

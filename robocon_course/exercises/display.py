@@ -56,4 +56,6 @@ def show_finding(verdict: Verdict) -> None:
     except (TypeError, ValueError):
         return  # what came has no shape that could be drawn; the sentence has said so
     if figure is not None:
-        show(figure, f"What came beside what was expected, {finding.case.what}: {finding.sentence}.")
+        show(
+            figure, f"What came beside what was expected, {finding.case.what}: {finding.sentence}."
+        )

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from robocon_course.answers.process import AnswerProcess, Reply
-from robocon_course.exercises.compare import difference, fields_of, shown
+from robocon_course.exercises.compare import difference, fields_of
 from robocon_course.exercises.model import (
     Case,
     Exercise,
@@ -111,7 +111,9 @@ def judge_number(number: Number, value: Any, student: int = 0) -> Verdict:
         # Two per cent: a small wrong number must not pass for another small wrong number.
         if math.isclose(value, mistake.function(student), rel_tol=0.02):
             return verdict(Outcome.WRONG, mistake.message, mistake.name)
-    text = f"{value:.4g} {number.unit} is not within {number.tolerance:g} {number.unit} of the truth."
+    text = (
+        f"{value:.4g} {number.unit} is not within {number.tolerance:g} {number.unit} of the truth."
+    )
     return verdict(Outcome.WRONG, text)
 
 
@@ -153,9 +155,7 @@ def _failed(
     if special:
         outcome, text = special
         return _verdict(exercise, outcome, text, replies=replies)
-    right = sum(
-        _problem(exercise, c, r) is None for c, r in zip(cases, replies, strict=False)
-    )
+    right = sum(_problem(exercise, c, r) is None for c, r in zip(cases, replies, strict=False))
     mistake = _recognise(exercise, cases, replies)
     expected = None if case.judge else exercise.reference(*copy.deepcopy(case.args))
     finding = Finding(
@@ -172,7 +172,12 @@ def _failed(
         outcome = Outcome.ERROR
         text += f" It came from the line: {reply.line}" if reply.line else ""
     return _verdict(
-        exercise, outcome, text, mistake=mistake, finding=finding, cases=(right, len(cases)),
+        exercise,
+        outcome,
+        text,
+        mistake=mistake,
+        finding=finding,
+        cases=(right, len(cases)),
         replies=replies,
     )
 
@@ -230,8 +235,8 @@ def _judge_score(exercise: Exercise, cases: Sequence[Case], ask: Ask) -> Verdict
     worst = max(errors, key=lambda e: math.inf if math.isnan(e) else e)
     share = exercise.score.share(worst)
     mistake = None if share == 1.0 else _recognise(exercise, cases, replies)
-    limit = exercise.score.levels[0][0]
-    text = f"Worst case {worst:.3g} {exercise.score.unit}; {limit:g} {exercise.score.unit} earns all points."
+    limit, unit = exercise.score.levels[0][0], exercise.score.unit
+    text = f"Worst case {worst:.3g} {unit}; {limit:g} {unit} earns all points."
     if mistake:
         text += f" {mistake.message}"
     outcome = Outcome.PASSED if share else Outcome.WRONG

@@ -1,4 +1,4 @@
-"""An exercise is data: what is asked, with which inputs it is tried, and how people get it wrong."""
+"""An exercise is data: what is asked, with which inputs it is tried, how people get it wrong."""
 
 from __future__ import annotations
 

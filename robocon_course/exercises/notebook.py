@@ -188,13 +188,12 @@ def _broken_cell(name: str, namespace: dict[str, Any]) -> str:
             return ""
         except SyntaxError as error:
             line = (error.text or "").strip()
-            return f"The cell with def {name} has a {type(error).__name__} in line {error.lineno}: {line}"
+            kind = type(error).__name__
+            return f"The cell with def {name} has a {kind} in line {error.lineno}: {line}"
     return ""
 
 
-def _keep(
-    workspace: Workspace, exercise: Exercise, answer: Answer | None, verdict: Verdict
-) -> str:
+def _keep(workspace: Workspace, exercise: Exercise, answer: Answer | None, verdict: Verdict) -> str:
     """Write an accepted answer to my_robot/ and say so."""
     if not verdict.accepted or answer is None:
         return ""

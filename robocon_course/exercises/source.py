@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import ast
 import builtins
+import dis
 import inspect
 import linecache
 import textwrap
 import types
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -57,7 +58,7 @@ def assemble(name: str, lookup: Lookup) -> Answer | None:
     add(name)
     if name in missing:
         return None
-    # Helpers are listed after their user; a CONSTANT that a default value needs must precede it.
+    # Helpers were found after their user; a CONSTANT in a default value must stand before it.
     ordered = sorted(reversed(statements.values()), key=lambda text: not _is_import(text))
     text = "from __future__ import annotations\n\n" + "\n\n".join(dict.fromkeys(ordered)) + "\n"
     return Answer(name, text, tuple(missing))
@@ -65,25 +66,23 @@ def assemble(name: str, lookup: Lookup) -> Answer | None:
 
 def free_names(text: str) -> list[str]:
     """Names that a statement takes from outside itself, builtins left out, in order."""
+    whole = compile("from __future__ import annotations\n" + text, "<text>", "exec")
     found: dict[str, None] = {}
+    for code in _codes(whole):
+        steps = list(dis.get_instructions(code))
+        own = {step.argval for step in steps if step.opname == "STORE_NAME"}
+        reads = [s.argval for s in steps if s.opname in ("LOAD_GLOBAL", "LOAD_NAME")]
+        found |= dict.fromkeys(name for name in reads if name not in own)
+    given = {*dir(builtins), "__name__", *(getattr(n, "name", "") for n in ast.parse(text).body)}
+    return [name for name in found if name not in given]
 
-    def visit(code: types.CodeType) -> None:
-        own = set(code.co_names) if code.co_name == "<module>" else set()
-        import dis
 
-        stored = {i.argval for i in dis.get_instructions(code) if i.opname == "STORE_NAME"} & own
-        for instruction in dis.get_instructions(code):
-            reads = instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME")
-            if reads and instruction.argval not in stored:
-                found[instruction.argval] = None
-        for constant in code.co_consts:
-            if isinstance(constant, types.CodeType):
-                visit(constant)
-
-    visit(compile("from __future__ import annotations\n" + text, "<text>", "exec"))
-    defined = {node.name for node in ast.parse(text).body if hasattr(node, "name")}
-    hidden = {"__name__", "__module__", "__qualname__", "__annotations__", *defined}
-    return [name for name in found if name not in hidden and not hasattr(builtins, name)]
+def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
+    """A code object and all those inside it."""
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _codes(constant)
 
 
 def from_namespace(namespace: dict[str, Any]) -> Lookup:

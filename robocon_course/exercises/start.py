@@ -48,7 +48,9 @@ WRAP_ANGLE = Exercise(
             "takes off one turn at most",
             "This takes off one turn at most. An angle that has added up over several turns "
             "needs them all taken off: use the remainder, or repeat.",
-            lambda angle: angle - TURN if angle >= math.pi else angle + TURN if angle < -math.pi else angle,
+            lambda angle: (
+                angle - TURN if angle >= math.pi else angle + TURN if angle < -math.pi else angle
+            ),
         ),
         Mistake(
             "only positive angles",

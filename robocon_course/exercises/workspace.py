@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib.util
 import json
 import os
@@ -150,7 +151,9 @@ class Workspace:
         imports = [b for b in blocks if b.startswith(("import ", "from "))]
         body = [b for b in blocks if b not in imports]
         parts = ", ".join(f"{k} (version {v})" for k, v in self.in_use(chapter).items())
-        head = f'"""My robot, chapter {chapter}: {parts}."""\n\nfrom __future__ import annotations\n\n'
+        head = (
+            f'"""My robot, chapter {chapter}: {parts}."""\n\nfrom __future__ import annotations\n\n'
+        )
         text = head + "\n".join(imports) + "\n\n\n" + "\n\n\n".join(body) + "\n"
         self._write(self.robot / f"{chapter}.py", text)
 
@@ -176,8 +179,6 @@ class Workspace:
 
 def _blocks(text: str) -> list[str]:
     """Top-level statements of a version's text, the future import left out."""
-    import ast
-
     lines = text.splitlines()
     found = []
     for node in ast.parse(text).body:
@@ -189,8 +190,6 @@ def _blocks(text: str) -> list[str]:
 
 
 def _definitions(text: str) -> dict[str, str]:
-    import ast
-
     found = {}
     for block in _blocks(text):
         node = ast.parse(block).body[0]

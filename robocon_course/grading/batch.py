@@ -131,9 +131,7 @@ def _function_verdict(submission: Submission, exercise: Exercise, time_left: flo
         text = "The time for the whole submission was used up."
         return Verdict(exercise.id, Outcome.ERROR, 0.0, exercise.points, text)
     with AnswerProcess() as process:
-        return judge_answer(
-            process, exercise, answer, submission.student, time_limit=time_left
-        )
+        return judge_answer(process, exercise, answer, submission.student, time_limit=time_left)
 
 
 def _computed(submission: Submission, deadline: float) -> dict[str, float]:

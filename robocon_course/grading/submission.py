@@ -41,9 +41,7 @@ class Submission:
             about
             for about in registry.chapters()
             if re.search(rf"""(begin|check|answer)\(\s*["']{about.topic}["'.]""", text)
-            or any(
-                defined(e.function_name) for e in about.exercises if isinstance(e, Exercise)
-            )
+            or any(defined(e.function_name) for e in about.exercises if isinstance(e, Exercise))
         )
 
     @property
@@ -93,7 +91,9 @@ def _cells(path: Path) -> list[str]:
     if not path.is_file():
         raise SubmissionError(f"{path.name} is not a file")
     if path.stat().st_size > SIZE_LIMIT:
-        raise SubmissionError(f"{path.name} is larger than {SIZE_LIMIT >> 20} MB; clear its outputs")
+        raise SubmissionError(
+            f"{path.name} is larger than {SIZE_LIMIT >> 20} MB; clear its outputs"
+        )
     try:
         cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
         sources = [c["source"] for c in cells if c["cell_type"] == "code"]
