@@ -72,7 +72,10 @@ class ImuWorld:
 def own_imu(student: int, *purpose: str) -> ImuErrors:
     """The errors of one student's IMU: larger than a good sensor's, so that they can be found."""
     rng = generator(student, "imu errors", *purpose)
-    bias = np.radians(rng.uniform(0.15, 0.5, 3) * rng.choice([-1.0, 1.0], 3))
+    size = rng.uniform(0.15, 0.5, 3)  # deg/s
+    while np.diff(np.sort(size)).min() < 0.03:  # so that no axis can be mistaken for another
+        size = rng.uniform(0.15, 0.5, 3)
+    bias = np.radians(size * rng.choice([-1.0, 1.0], 3))
     return ImuErrors(
         gyro_bias=bias,
         accel_bias=rng.uniform(0.05, 0.25, 3) * rng.choice([-1.0, 1.0], 3),
