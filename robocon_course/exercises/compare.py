@@ -69,6 +69,7 @@ def _parts(got: dict[str, Any], expected: dict[str, Any], atol: float, unit: str
 
 
 def _sequence(got: Any, expected: tuple | list, atol: float, unit: str) -> str | None:
+    got = got.item() if isinstance(got, np.ndarray) and got.ndim == 0 else got
     if not isinstance(got, tuple | list | np.ndarray) or len(got) != len(expected):
         return f"expected {len(expected)} results, got {_kind(got)}"
     names = getattr(expected, "_fields", range(len(expected)))
@@ -88,6 +89,8 @@ def _numbers(got: Any, expected: Any, atol: float, unit: str) -> str | None:
         came = np.asarray(got, dtype=float)
     except (TypeError, ValueError):
         return f"expected {_kind(expected)}, got {_kind(got)}"
+    except OverflowError:
+        return f"expected {_kind(expected)}, got one too large for a float"
     if came.shape != wanted.shape:
         return f"expected {_kind(wanted)}, got {_kind(came)}"
     off = ~np.isclose(came, wanted, rtol=0.0, atol=atol, equal_nan=True)

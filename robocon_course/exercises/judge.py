@@ -100,7 +100,7 @@ def judge_number(number: Number, value: Any, student: int = 0) -> Verdict:
         return verdict(Outcome.NOT_ATTEMPTED, "Put your number in place of the three dots.")
     try:
         value = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         kind = type(value).__name__
         return verdict(Outcome.ERROR, f"Expected one number in {number.unit}, got a {kind}.")
     if not math.isfinite(value):
@@ -229,9 +229,13 @@ def _judge_score(exercise: Exercise, cases: Sequence[Case], ask: Ask) -> Verdict
         replies.append(ask(case.args))
         sentence = _problem(exercise, case, replies[-1]) if replies[-1].error else None
         sentence = sentence or _shape_problem(exercise, case, replies[-1])
+        if not sentence:
+            try:
+                errors.append(exercise.score.error(case, replies[-1].value))
+            except ValueError as refusal:  # the right form, but no such thing: a zero quaternion
+                sentence = str(refusal)
         if sentence:
             return _failed(exercise, cases, replies, len(replies) - 1, sentence)
-        errors.append(exercise.score.error(case, replies[-1].value))
     worst = max(errors, key=lambda e: math.inf if math.isnan(e) else e)
     share = exercise.score.share(worst)
     mistake = None if share == 1.0 else _recognise(exercise, cases, replies)

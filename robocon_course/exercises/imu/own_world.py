@@ -91,6 +91,10 @@ def _attitude_in_motion_cases(student: int, rng: np.random.Generator) -> list[Ca
 
 
 def _tilt_rms(case: Case, quaternions: np.ndarray) -> float:
+    length = np.linalg.norm(quaternions, axis=-1)
+    row = int(np.argmax(np.abs(length - 1.0)))
+    if not abs(length[row] - 1.0) < 1e-3:
+        raise ValueError(f"a quaternion has length 1; the one in row {row} has {length[row]:.3g}")
     error = imu.inclination_error(quaternions, case.truth)
     return float(np.degrees(np.sqrt(np.mean(error**2))))
 
