@@ -41,26 +41,28 @@ def assemble(name: str, lookup: Lookup) -> Answer | None:
     lookup : callable
         ``lookup(name) -> text or None``: the statement that defines a name.
     """
-    statements: dict[str, str] = {}
+    seen: set[str] = set()
     missing: list[str] = []
+    statements: list[str] = []
 
     def add(wanted: str) -> None:
-        if wanted in statements or wanted in missing:
+        """Put a name's statement behind those of all that it uses."""
+        if wanted in seen:
             return
+        seen.add(wanted)
         text = lookup(wanted)
         if text is None:
             missing.append(wanted)
             return
-        statements[wanted] = text
         for used in free_names(text):
             add(used)
+        statements.append(text)
 
     add(name)
     if name in missing:
         return None
-    # Helpers were found after their user; a CONSTANT in a default value must stand before it.
-    ordered = sorted(reversed(statements.values()), key=lambda text: not _is_import(text))
-    text = "from __future__ import annotations\n\n" + "\n\n".join(dict.fromkeys(ordered)) + "\n"
+    ordered = sorted(dict.fromkeys(statements), key=lambda text: not _is_import(text))
+    text = "\n\n".join(["from __future__ import annotations", *ordered]) + "\n"
     return Answer(name, text, tuple(missing))
 
 

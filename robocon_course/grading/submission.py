@@ -75,17 +75,24 @@ def read_submission(path: Path) -> Submission:
     if path.is_symlink():
         raise SubmissionError("a link, not a file; hand in the file itself")
     if path.is_dir():
-        notebooks = sorted(p for p in path.rglob("*.ipynb") if ".ipynb_checkpoints" not in p.parts)
+        notebooks = sorted(p for p in path.rglob("*.ipynb") if _handed_in(p))
         if not notebooks:
             raise SubmissionError("the folder holds no notebook (.ipynb)")
-        cells = [cell for notebook in notebooks for cell in _cells(notebook)]
     else:
-        cells = _cells(path)
-    return Submission(path, tuple(cells), _student(path, cells))
+        notebooks = [path]
+    parsed = [_code_cells(notebook) for notebook in notebooks]
+    cells = [plain_code(_text(cell["source"])) for part in parsed for cell in part]
+    printed = [_printed(cell) for part in parsed for cell in part]
+    return Submission(path, tuple(cells), _student(path, cells, printed))
 
 
-def _cells(path: Path) -> list[str]:
-    """Code cells of a notebook file, magics removed."""
+def _handed_in(path: Path) -> bool:
+    """Whether a notebook is meant: no checkpoint, and not set aside by ``robocon reset``."""
+    return ".ipynb_checkpoints" not in path.parts and ".kept-" not in path.name
+
+
+def _code_cells(path: Path) -> list[dict[str, Any]]:
+    """Code cells of a notebook file, as they are."""
     if path.is_symlink():
         raise SubmissionError(f"{path.name} is a link, not a file")
     if not path.is_file():
@@ -96,15 +103,33 @@ def _cells(path: Path) -> list[str]:
         )
     try:
         cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
-        sources = [c["source"] for c in cells if c["cell_type"] == "code"]
-        return [plain_code(s if isinstance(s, str) else "".join(s)) for s in sources]
+        found = [cell for cell in cells if cell["cell_type"] == "code"]
+        for cell in found:
+            _text(cell["source"])  # refuse here what could not be read later
+        return found
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         kind = type(error).__name__
         raise SubmissionError(f"{path.name} is not a notebook of format 4 ({kind})") from None
 
 
-def _student(path: Path, cells: list[str]) -> int:
-    """The student number: from ``begin``, from my_robot/, else 0."""
+def _text(source: Any) -> str:
+    """Text of a cell or an output; the format allows a list of lines."""
+    return source if isinstance(source, str) else "".join(source)
+
+
+def _printed(cell: dict[str, Any]) -> str:
+    """What a cell printed when it was last run and saved."""
+    try:
+        streams = [o for o in cell.get("outputs", []) if o.get("output_type") == "stream"]
+        return "".join(_text(stream["text"]) for stream in streams)
+    except (AttributeError, KeyError, TypeError):
+        return ""
+
+
+def _student(path: Path, cells: list[str], printed: list[str]) -> int:
+    """The student number: a name that is a number, what ``begin`` was given, else what it said."""
+    if path.stem.isdecimal():
+        return int(path.stem)
     for cell in cells:
         for node in _calls(cell, "begin"):
             given = [k.value for k in node.keywords if k.arg == "student"] + node.args[1:2]
@@ -115,7 +140,8 @@ def _student(path: Path, cells: list[str]) -> int:
         record = json.loads((folder / "my_robot" / "record.json").read_text(encoding="utf-8"))
         return int(record["student"])
     except (OSError, ValueError, KeyError, TypeError):
-        return 0
+        said = re.search(r"^Student number (\d{1,18})\.", "\n".join(printed), re.MULTILINE)
+        return int(said[1]) if said else 0
 
 
 def _answers(cell: str) -> list[tuple[str, Any]]:
