@@ -6,6 +6,7 @@ import base64
 import io
 import subprocess
 import sys
+import warnings
 
 import matplotlib
 import numpy as np
@@ -121,7 +122,15 @@ def test_a_figure_leaves_the_notebook_s_own_style_alone():
 
 def test_a_figure_looks_the_same_whatever_style_the_notebook_has():
     plain = view.png(view.plot_imu(TIME, WAVES, WAVES))
-    with matplotlib.rc_context({"text.color": "white", "font.size": 20, "axes.facecolor": "black"}):
+    strange = {
+        "text.color": "white",
+        "font.size": 20,
+        "xtick.major.size": 30,
+        "lines.dashed_pattern": [1, 9],
+        "lines.linewidth": 9,
+        "axes.titlepad": 40,
+    }
+    with matplotlib.rc_context(strange):
         assert view.png(view.plot_imu(TIME, WAVES, WAVES)) == plain
 
 
@@ -145,6 +154,8 @@ def test_lines_are_named_at_their_ends_without_overlap():
     values = list(places.values())
     assert np.diff(values).min() >= 0.1 - 1e-12
     assert max(values) <= 0.95 + 1e-12 and places["c"] == 0.5
+    low = canvas._spread({"a": 0.0, "b": 0.01}, dict.fromkeys("ab", 0.1))
+    assert low == pytest.approx({"a": 0.05, "b": 0.15})
 
 
 def test_a_label_s_first_word_decides_its_colour():
@@ -189,6 +200,7 @@ def test_the_system_ticks_what_is_done_and_refuses_unknown_chapters():
     [
         (0.5, 0.3, 1),
         ([1.0, np.inf], [1.0, 2.0, 3.0], 1),
+        (np.r_[np.inf, TIME], TIME, 1),
         (WAVES[:50, 0], WAVES[:60, 0], 1),
         (WAVES, WAVES, 3),
         (np.eye(3), np.eye(3), 1),
@@ -197,9 +209,11 @@ def test_the_system_ticks_what_is_done_and_refuses_unknown_chapters():
     ],
 )
 def test_a_counter_example_draws_whatever_came(got, expected, panels):
-    fig = view.plot_counter_example("case", got, expected, "m")
-    assert len(fig.axes) == panels
-    assert pixels(view.png(fig)).min() < 200
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fig = view.plot_counter_example("case", got, expected, "m")
+        assert len(fig.axes) == panels
+        assert pixels(view.png(fig)).min() < 200
 
 
 @pytest.mark.parametrize("got", [None, "text", object(), [[1, 2], [3]], [], {}])
