@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import os
 from collections.abc import Callable
 from typing import Any
@@ -12,7 +11,12 @@ from robocon_course.exercises import registry
 from robocon_course.exercises.display import EDGE, Shown, show_finding, shown_verdict
 from robocon_course.exercises.judge import judge_answer, judge_number, no_answer
 from robocon_course.exercises.model import Exercise, Number, Outcome, Verdict
-from robocon_course.exercises.source import Answer, assemble, from_namespace, plain_code
+from robocon_course.exercises.source import (
+    Answer,
+    assemble,
+    broken_definition,
+    from_namespace,
+)
 from robocon_course.exercises.workspace import Workspace
 
 _spare: list[AnswerProcess] = []  # started ahead of need, so that nobody waits for imports
@@ -155,7 +159,7 @@ def _find(exercise: Exercise) -> tuple[Answer | None, Verdict | None]:
     """The student's function by name, or a verdict that says why there is none."""
     namespace = dict(_namespace())
     name = exercise.function_name
-    broken = _broken_cell(name, namespace)
+    broken = broken_definition(name, namespace.get("In", []))
     if broken:
         return None, no_answer(exercise, broken)
     found = namespace.get(name)
@@ -178,19 +182,6 @@ def _namespace() -> dict[str, Any]:
     import __main__
 
     return vars(__main__)
-
-
-def _broken_cell(name: str, namespace: dict[str, Any]) -> str:
-    """Say where the newest cell that defines ``name`` breaks Python's grammar, if it does."""
-    for cell in reversed([c for c in namespace.get("In", []) if f"def {name}" in c]):
-        try:
-            ast.parse(plain_code(cell))
-            return ""
-        except SyntaxError as error:
-            line = (error.text or "").strip()
-            kind = type(error).__name__
-            return f"The cell with def {name} has a {kind} in line {error.lineno}: {line}"
-    return ""
 
 
 def _keep(workspace: Workspace, exercise: Exercise, answer: Answer | None, verdict: Verdict) -> str:

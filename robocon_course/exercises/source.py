@@ -12,15 +12,19 @@ import builtins
 import dis
 import inspect
 import linecache
+import math
+import re
 import textwrap
 import types
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 Lookup = Callable[[str], str | None]
 
-LITERALS = (int, float, str, bool, tuple, type(None))
+UNREADABLE = (ValueError, RecursionError, MemoryError)  # a null byte, ten thousand brackets
 
 
 @dataclass(frozen=True)
@@ -90,8 +94,13 @@ def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
 def from_namespace(namespace: dict[str, Any]) -> Lookup:
     """Look names up in a live notebook."""
 
+    written = from_cells(namespace.get("In", []))
+
     def lookup(name: str) -> str | None:
-        return _statement(name, namespace[name]) if name in namespace else None
+        if name not in namespace:
+            return None
+        text = _statement(name, namespace[name])
+        return written(name) if text is None and name.isupper() else text
 
     return lookup
 
@@ -107,8 +116,10 @@ def from_cells(cells: Iterable[str]) -> Lookup:
                     found[alias.asname or alias.name.partition(".")[0]] = text
             elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
                 found[node.name] = text
-            elif isinstance(node, ast.Assign) and _is_constant(node):
+            elif _names_a_function(node, found):
                 found[node.targets[0].id] = text
+            else:
+                found |= dict.fromkeys(_constants(node), text)
     return found.get
 
 
@@ -118,6 +129,20 @@ def definition_in(cell: str, name: str) -> str | None:
         if getattr(node, "name", None) == name and not isinstance(node, ast.ExceptHandler):
             return _source_segment(cell, node)
     return None
+
+
+def broken_definition(name: str, cells: Iterable[str]) -> str:
+    """Say where the newest cell with ``def name`` breaks Python's grammar; empty if it does not."""
+    newest = [cell for cell in cells if re.search(rf"\bdef {name}\b", cell)][-1:]
+    for cell in newest:
+        try:
+            _grammar(cell)
+        except SyntaxError as error:
+            line, kind = (error.text or "").strip(), type(error).__name__
+            return f"The cell with def {name} has a {kind} in line {error.lineno}: {line}"
+        except UNREADABLE as error:
+            return f"The cell with def {name} cannot be read ({type(error).__name__})."
+    return ""
 
 
 def plain_code(cell: str) -> str:
@@ -130,9 +155,17 @@ def plain_code(cell: str) -> str:
 
 def _parsed(cell: str) -> list[ast.stmt]:
     try:
-        return ast.parse(plain_code(cell)).body
-    except (SyntaxError, ValueError):
+        return _grammar(cell)
+    except (SyntaxError, *UNREADABLE):
         return []  # a broken cell defines nothing; whoever asks says so
+
+
+def _grammar(cell: str) -> list[ast.stmt]:
+    """Statements of a cell that a notebook would run; parsing alone misses half of the errors."""
+    code, flags = plain_code(cell), ast.PyCF_ALLOW_TOP_LEVEL_AWAIT
+    tree = compile(code, "<cell>", "exec", flags | ast.PyCF_ONLY_AST, dont_inherit=True)
+    compile(code, "<cell>", "exec", flags, dont_inherit=True)
+    return tree.body
 
 
 def _source_segment(cell: str, node: ast.stmt) -> str:
@@ -140,15 +173,21 @@ def _source_segment(cell: str, node: ast.stmt) -> str:
     return "\n".join(plain_code(cell).splitlines()[first - 1 : node.end_lineno])
 
 
-def _is_constant(node: ast.Assign) -> bool:
-    target = node.targets[0]
-    if len(node.targets) != 1 or not isinstance(target, ast.Name) or not target.id.isupper():
+def _names_a_function(node: ast.stmt, found: dict[str, str]) -> bool:
+    """Whether a statement gives a name to a lambda, or another name to something defined."""
+    if not isinstance(node, ast.Assign) or not isinstance(node.targets[0], ast.Name):
         return False
-    try:
-        ast.literal_eval(node.value)
-    except ValueError:
-        return False
-    return True
+    value = node.value
+    return isinstance(value, ast.Lambda) or (isinstance(value, ast.Name) and value.id in found)
+
+
+def _constants(node: ast.stmt) -> list[str]:
+    """Names that a statement gives a value to, if all are CONSTANTS."""
+    targets = getattr(node, "targets", [getattr(node, "target", None)])
+    if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
+        return []
+    names = [n.id for t in targets for n in ast.walk(t) if isinstance(n, ast.Name)]
+    return names if all(name.isupper() for name in names) else []
 
 
 def _is_import(text: str) -> bool:
@@ -161,16 +200,27 @@ def _statement(name: str, value: Any) -> str | None:
         return f"import {value.__name__} as {name}"
     home = getattr(value, "__module__", None)
     own_name = getattr(value, "__qualname__", "")
-    if home == "__main__" and isinstance(value, types.FunctionType | type):
-        return _live_source(value)
+    if home == "__main__" and own_name and callable(value):
+        return _live_source(name, inspect.unwrap(value))
     if home and own_name.isidentifier() and callable(value):
         return f"from {home} import {own_name} as {name}"
-    if name.isupper() and isinstance(value, LITERALS):
-        return f"{name} = {value!r}"
-    return None
+    literal = _literal(value) if name.isupper() else None
+    return None if literal is None else f"{name} = {literal}"
 
 
-def _live_source(value: Any) -> str | None:
+def _literal(value: Any) -> str | None:
+    """Text that gives a plain value back, None for anything else."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if type(value) is float and not math.isfinite(value):
+        return f'float("{value}")'
+    if type(value) is tuple:
+        parts = [_literal(item) for item in value]
+        return None if None in parts else f"({''.join(f'{part}, ' for part in parts)})"
+    return repr(value) if type(value) in (int, float, str, bool, type(None)) else None
+
+
+def _live_source(name: str, value: Any) -> str | None:
     """Source text of a function or class that was defined in a cell."""
     codes = [value.__code__] if hasattr(value, "__code__") else []
     codes += [v.__code__ for v in vars(value).values() if isinstance(v, types.FunctionType)]
@@ -178,7 +228,8 @@ def _live_source(value: Any) -> str | None:
         cell = "".join(linecache.getlines(code.co_filename))
         text = definition_in(cell, value.__name__)
         if text:
-            return text
+            other_name = "" if value.__name__ == name else f"\n\n\n{name} = {value.__name__}"
+            return text + other_name
     try:
         return textwrap.dedent(inspect.getsource(value))
     except (OSError, TypeError):

@@ -12,9 +12,9 @@ from pathlib import Path
 
 from robocon_course.answers.process import AnswerProcess
 from robocon_course.exercises import registry
-from robocon_course.exercises.judge import judge_answer, judge_number
+from robocon_course.exercises.judge import judge_answer, judge_number, no_answer
 from robocon_course.exercises.model import Exercise, Number, Outcome, Verdict
-from robocon_course.exercises.source import assemble, from_cells
+from robocon_course.exercises.source import assemble, broken_definition, from_cells
 from robocon_course.grading.submission import (
     COMPUTED,
     Submission,
@@ -97,7 +97,8 @@ def write_csv(rows: list[Row], path: Path) -> None:
     """One row per submission, one column per exercise; written beside, then renamed."""
     ids = list(registry.exercises())
     beside = path.with_name(path.name + ".new")
-    with beside.open("w", newline="", encoding="utf-8") as file:
+    # A name from a foreign archive may hold bytes that are no text; it must not cost the table.
+    with beside.open("w", newline="", encoding="utf-8", errors="backslashreplace") as file:
         table = csv.writer(file)
         table.writerow(["submission", "student", "points", "out_of", *ids, "reason"])
         for row in rows:
@@ -125,6 +126,9 @@ def _verdicts(
 def _function_verdict(submission: Submission, exercise: Exercise, time_left: float) -> Verdict:
     answer = assemble(exercise.function_name, from_cells(submission.cells))
     if answer is None:
+        broken = broken_definition(exercise.function_name, submission.cells)
+        if broken:
+            return no_answer(exercise, broken)
         text = f"There is no function {exercise.function_name} in the notebook."
         return Verdict(exercise.id, Outcome.NOT_ATTEMPTED, 0.0, exercise.points, text)
     if time_left <= 0:
