@@ -131,6 +131,14 @@ def test_swaying_all_the_time_is_movement():
         imu.calibrate_gyro(still_log() + sway[:, None])
 
 
+@pytest.mark.parametrize("size, rows", [(0.1, 50), (5.0, 100)])
+def test_shaking_that_turns_nowhere_is_movement_however_violent(size, rows):
+    log = still_log()
+    log[1000 : 1000 + rows, 0] += size * np.where(np.arange(rows) % 2, 1.0, -1.0)
+    with pytest.raises(imu.MovedError, match="axis x"):
+        imu.calibrate_gyro(log)
+
+
 def test_rows_with_holes_are_left_out_and_do_not_shift_the_rows_named():
     log = still_log()
     log[100:700:2, 1] = nan
