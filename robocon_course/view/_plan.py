@@ -36,7 +36,7 @@ def draw_plan(way: ArrayLike | None = field.WAY_TO_AREA_3) -> Figure:
     ax.grid(visible=False)
     ax.spines[["left", "bottom"]].set_visible(False)
     rim, size = field.FENCE_THICKNESS, field.SIZE + 2 * field.FENCE_THICKNESS
-    ax.add_patch(Rectangle((-rim, -rim), size, size, color=_hex(field.GREY)))
+    ax.add_patch(Rectangle((-rim, -rim), size, size, color=_paint(field.GREY)))
     mirrored = Affine2D().scale(-1.0, 1.0).translate(field.SIZE, 0.0) + ax.transData
     _draw_half(ax, mirrored, PALE)
     _draw_half(ax, ax.transData, 0.0)
@@ -76,44 +76,52 @@ PLAN_WORDS = (
 )
 
 
-def _hex(colour: field.Colour, pale: float = 0.0) -> tuple[float, ...]:
+def _paint(colour: field.Colour, pale: float = 0.0) -> tuple[float, ...]:
+    """A colour mixed with white; the pale half is the blue team's."""
+    colour = field.BLUE if pale and colour == field.RED else colour
     return tuple((c + (255 - c) * pale) / 255 for c in colour)
 
 
 def _draw_half(ax: Axes, transform: Transform, pale: float) -> None:
     """One team's half: ours in its true colours, or the opponent's mirrored and pale."""
-
-    def team(colour: field.Colour) -> tuple[float, ...]:
-        return _hex(field.BLUE if pale and colour == field.RED else colour, pale)
-
     for rect in (*field.FLOOR, field.WATER_FRAME, field.WATER, *field.ZONES):
         outlined = rect in field.ZONES or any(rect.slope)
         edge = {"edgecolor": "#00000040", "linewidth": 0.8 if outlined else 0.0}
         size = rect.x1 - rect.x0, rect.y1 - rect.y0
-        style = edge | {"facecolor": team(rect.colour), "transform": transform}
+        style = edge | {"facecolor": _paint(rect.colour, pale), "transform": transform}
         ax.add_patch(Rectangle((rect.x0, rect.y0), *size, **style))
+    _draw_strokes(ax, transform, pale)
+    for holes, diameter in (
+        (field.SEEDLING_HOLES, field.HOLE_DIAMETER),
+        (field.PLANTING_SPOTS, field.SPOT_DIAMETER),
+    ):
+        for hole in holes:
+            ax.add_patch(Circle(hole, diameter / 2, color="white", transform=transform))
+    half, (x, y) = field.PILE_HALF_DIAGONAL, field.PILE
+    corners = [(x - half, y), (x, y - half), (x + half, y), (x, y + half)]
+    frame = {"facecolor": "none", "edgecolor": _paint(field.GREY, pale), "linewidth": 3.0}
+    ax.add_patch(Polygon(corners, transform=transform, **frame))
+    balls = field.PILE_BALLS + field.HARVEST_SPOTS
+    for ball, colour in zip(balls, field.PILE_EXAMPLE + field.HARVEST_EXAMPLE, strict=True):
+        style = {"facecolor": _paint(colour, pale), "edgecolor": "white", "linewidth": 0.6}
+        ax.add_patch(Circle(ball, field.BALL_DIAMETER / 2, transform=transform, **style))
+
+
+def _draw_strokes(ax: Axes, transform: Transform, pale: float) -> None:
+    """Arrow heads up the ramps, edges of the steps, and the white lines."""
     dark = {"color": TRUTH, "alpha": 0.55 * (1.0 - pale), "transform": transform}
     for ramp in (field.RAMP_1, field.RAMP_2):
         x, _ = ramp.centre
         for y in (ramp.y0 + 0.35, ramp.y0 + 0.6, ramp.y0 + 0.85):
             ax.plot((x - 0.28, x, x + 0.28), (y - 0.16, y, y - 0.16), linewidth=1.4, **dark)
-    for line in field.STEPS:
-        ax.plot((line.x0, line.x1), (line.y0, line.y1), linewidth=2.2, **dark)
     white = {"color": "white", "solid_capstyle": "butt", "transform": transform}
-    for line in field.GUIDE_LINES + field.FRAME_LINES:
-        ax.plot((line.x0, line.x1), (line.y0, line.y1), linewidth=1.6, **white)
-    for line in field.ROBOT_1_LINES:
-        ax.plot((line.x0, line.x1), (line.y0, line.y1), linewidth=0.8, alpha=0.7, **white)
-    for spot in field.SEEDLING_HOLES + field.PLANTING_SPOTS:
-        ax.add_patch(Circle(spot, field.SPOT_DIAMETER / 2, color="white", transform=transform))
-    half, (x, y) = field.PILE_HALF_DIAGONAL, field.PILE
-    corners = [(x - half, y), (x, y - half), (x + half, y), (x, y + half)]
-    frame = {"facecolor": "none", "edgecolor": team(field.GREY), "linewidth": 3.0}
-    ax.add_patch(Polygon(corners, transform=transform, **frame))
-    balls = field.PILE_BALLS + field.HARVEST_SPOTS
-    for ball, colour in zip(balls, field.PILE_EXAMPLE + field.HARVEST_EXAMPLE, strict=True):
-        style = {"facecolor": team(colour), "edgecolor": "white", "linewidth": 0.6}
-        ax.add_patch(Circle(ball, field.BALL_DIAMETER / 2, transform=transform, **style))
+    for lines, style in (
+        (field.STEPS, dark | {"linewidth": 2.2}),
+        (field.GUIDE_LINES + field.FRAME_LINES, white | {"linewidth": 1.6}),
+        (field.ROBOT_1_LINES, white | {"linewidth": 0.8, "alpha": 0.7}),
+    ):
+        for line in lines:
+            ax.plot((line.x0, line.x1), (line.y0, line.y1), **style)
 
 
 def _draw_way(ax: Axes, way: FloatArray) -> None:

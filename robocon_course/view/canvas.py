@@ -21,6 +21,7 @@ from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from PIL import Image
 
 from robocon_course._arrays import FloatArray
 
@@ -121,15 +122,20 @@ def figure(
 
 
 def png(figure: Figure) -> bytes:
-    """The figure as the bytes of a PNG file."""
+    """The figure as the bytes of a PNG file with 256 colours: a third of the usual size.
+
+    A notebook carries each picture twice, see `bundle`.
+    """
     if not isinstance(figure, Figure):
         raise ValueError(
             f"figure: expected a matplotlib Figure, got {type(figure).__name__}; "
             "a plot function of the course returns one"
         )
-    stream = io.BytesIO()
+    drawn, stream = io.BytesIO(), io.BytesIO()
     with styled():
-        figure.savefig(stream, format="png", dpi=STYLE["figure.dpi"])
+        figure.savefig(drawn, format="png", dpi=STYLE["figure.dpi"])
+    picture = Image.open(drawn).convert("RGB").quantize(256, dither=Image.Dither.NONE)
+    picture.save(stream, format="png", optimize=True)
     return stream.getvalue()
 
 

@@ -61,7 +61,7 @@ def _show_sliders(draw: Drawing, sliders: dict[str, Any], display_id: str) -> No
             figure, twin = draw(**{name: control.value for name, control in controls.items()})
             publish(figure, twin, display_id, update=True)
             readout.value = f"Now: {html.escape(twin)}"
-        except Exception as error:  # a slider's exception would vanish into a log nobody reads
+        except Exception as error:  # a callback's exception would vanish into a log nobody reads
             message = html.escape(f"{type(error).__name__}: {error}")
             readout.value = f"{message} <i>(The picture is the last that worked.)</i>"
 
