@@ -145,25 +145,32 @@ class Workspace:
 
     def _write_chapter(self, chapter: str) -> None:
         """One readable file per chapter; a helper or import that parts share stands once."""
+        parts = {exercise_id.partition(".")[2]: exercise_id for exercise_id in self.in_use(chapter)}
         blocks: dict[str, None] = {}
-        for exercise_id in self.in_use(chapter):
-            blocks |= dict.fromkeys(_blocks(self.text_in_use(exercise_id)))
+        for exercise_id in parts.values():
+            for block, name in _blocks(self.text_in_use(exercise_id)).items():
+                # Where one part calls another, the other's own version in use is what it calls.
+                if parts.get(name, exercise_id) == exercise_id:
+                    blocks[block] = None
         imports = [b for b in blocks if b.startswith(("import ", "from "))]
         body = [b for b in blocks if b not in imports]
-        parts = ", ".join(f"{k} (version {v})" for k, v in self.in_use(chapter).items())
+        used = ", ".join(f"{k} (version {v})" for k, v in self.in_use(chapter).items())
         head = (
-            f'"""My robot, chapter {chapter}: {parts}."""\n\nfrom __future__ import annotations\n\n'
+            f'"""My robot, chapter {chapter}: {used}."""\n\nfrom __future__ import annotations\n\n'
         )
         text = head + "\n".join(imports) + "\n\n\n" + "\n\n\n".join(body) + "\n"
         self._write(self.robot / f"{chapter}.py", text)
 
     def clash(self, exercise_id: str, text: str) -> str:
-        """Name of a helper that another part in use defines differently, empty if none."""
-        new = _definitions(text)
-        for other in self.in_use(exercise_id.partition(".")[0]):
-            if other == exercise_id:
-                continue
-            for name, block in _definitions(self.text_in_use(other)).items():
+        """Name of a helper that another part in use defines differently, empty if none.
+
+        A helper that is a part itself is no clash: the part in use is what both call.
+        """
+        others = [k for k in self.in_use(exercise_id.partition(".")[0]) if k != exercise_id]
+        parts = {"", *(k.partition(".")[2] for k in (exercise_id, *others))}
+        new = {name: block for block, name in _blocks(text).items() if name not in parts}
+        for other in others:
+            for block, name in _blocks(self.text_in_use(other)).items():
                 if new.get(name, block) != block:
                     return f"{name} (also used by {other})"
         return ""
@@ -177,24 +184,15 @@ class Workspace:
         os.replace(beside, path)
 
 
-def _blocks(text: str) -> list[str]:
-    """Top-level statements of a version's text, the future import left out."""
+def _blocks(text: str) -> dict[str, str]:
+    """Top-level statements of a version's text, and the name that each defines, if it does."""
     lines = text.splitlines()
-    found = []
+    found = {}
     for node in ast.parse(text).body:
         if isinstance(node, ast.ImportFrom) and node.module == "__future__":
             continue
         first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
-        found.append("\n".join(lines[first - 1 : node.end_lineno]))
-    return found
-
-
-def _definitions(text: str) -> dict[str, str]:
-    found = {}
-    for block in _blocks(text):
-        node = ast.parse(block).body[0]
-        if hasattr(node, "name"):
-            found[node.name] = block
-        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
-            found[node.targets[0].id] = block
+        target = getattr(node, "target", next(iter(getattr(node, "targets", [])), None))
+        block = "\n".join(lines[first - 1 : node.end_lineno])
+        found[block] = getattr(node, "name", getattr(target, "id", ""))
     return found
