@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 import types
 from typing import Any
 
 
-def run(cells: list[str], student: int) -> list[tuple[str, Any]]:
+def run(cells: list[str], student: int, references: dict[str, str]) -> list[tuple[str, Any]]:
     """Run cells in order, past any that raise, and return what ``answer`` was called with.
 
     Parameters
@@ -16,6 +17,8 @@ def run(cells: list[str], student: int) -> list[tuple[str, Any]]:
         Plain Python, magics already removed.
     student : int
         The student number that ``begin`` hands out.
+    references : dict
+        Exercises that were not accepted, and the course's functions that take their place.
 
     Returns
     -------
@@ -25,7 +28,10 @@ def run(cells: list[str], student: int) -> list[tuple[str, Any]]:
     namespace: dict[str, Any] = {"__name__": "__main__"}
 
     def check(exercise_id: str, **_: Any) -> Any:
-        return namespace.get(exercise_id.partition(".")[2])
+        if exercise_id not in references:
+            return namespace.get(exercise_id.partition(".")[2])
+        module, _, name = references[exercise_id].rpartition(".")
+        return getattr(importlib.import_module(module), name)
 
     doubles = types.ModuleType("robocon_course.exercises")
     doubles.begin = lambda *_, **__: student
@@ -38,7 +44,7 @@ def run(cells: list[str], student: int) -> list[tuple[str, Any]]:
     for cell in cells:
         try:
             exec(compile(cell, "<cell>", "exec"), namespace)
-        except Exception:
+        except (Exception, SystemExit):
             continue  # an unsolved cell must not hide the answers of the others
     return handed_in
 

@@ -76,11 +76,11 @@ class Worker:
         """Call one of the functions that were loaded."""
         return self.names[name](*args, **kwargs)
 
-    def run(self, cells: list[str], student: int) -> list:
+    def run(self, cells: list[str], student: int, references: dict[str, str]) -> list:
         """Run a notebook's cells and return what it passed to ``answer``."""
         from robocon_course.answers import rehearsal
 
-        return rehearsal.run(cells, student)
+        return rehearsal.run(cells, student, references)
 
     def reply(self, request: dict[str, Any]) -> dict[str, Any]:
         """Carry out one request; whatever the student's code raises becomes part of the reply."""

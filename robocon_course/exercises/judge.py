@@ -84,7 +84,7 @@ def judge_answer(
     return judge(exercise, lambda args: process.call(answer.name, args), student, salt)
 
 
-def no_answer(exercise: Exercise, message: str) -> Verdict:
+def no_answer(exercise: Exercise | Number, message: str) -> Verdict:
     """The verdict on code that could not be tried at all."""
     return Verdict(exercise.id, Outcome.ERROR, 0.0, exercise.points, message)
 
@@ -189,9 +189,8 @@ def _special(exercise: Exercise, case: Case, reply: Reply) -> tuple[Outcome, str
     if reply.error == "NotYourOwn":
         return Outcome.WRONG, f"This calls the course's own {reply.message}; write your own."
     if reply.error == "TimeLimit":
-        limit = f"{exercise.time_limit:g} s"
         return Outcome.ERROR, (
-            f"In the case “{case.what}”: stopped after {limit}. "
+            f"In the case “{case.what}”: {reply.message}. "
             "Does a loop never end, or does it do far more work than needed?"
         )
     if reply.error in STOPPED:

@@ -14,7 +14,7 @@ from robocon_course.answers.process import AnswerProcess
 from robocon_course.exercises import registry
 from robocon_course.exercises.judge import judge_answer, judge_number, no_answer
 from robocon_course.exercises.model import Exercise, Number, Outcome, Verdict
-from robocon_course.exercises.source import assemble, broken_definition, from_cells
+from robocon_course.exercises.source import assemble, broken_definition
 from robocon_course.grading.submission import (
     COMPUTED,
     Submission,
@@ -112,19 +112,28 @@ def write_csv(rows: list[Row], path: Path) -> None:
 def _verdicts(
     submission: Submission, exercises: list[Exercise | Number], deadline: float
 ) -> Iterator[Verdict]:
+    functions = [e for e in exercises if isinstance(e, Exercise)]
+    verdicts = {
+        e.id: _function_verdict(submission, e, deadline - time.monotonic()) for e in functions
+    }
     numbers = submission.numbers
-    computed = _computed(submission, deadline) if COMPUTED in numbers.values() else {}
+    if COMPUTED in numbers.values():
+        # As in the notebook: what was not accepted is the course's from its check onwards.
+        references = {e.id: e.blocked[0] for e in functions if not verdicts[e.id].accepted}
+        computed = _computed(submission, references, deadline)
+        numbers = {k: computed.get(k, v) if v is COMPUTED else v for k, v in numbers.items()}
     for exercise in exercises:
-        if isinstance(exercise, Number):
-            value = numbers.get(exercise.id)
-            value = computed.get(exercise.id) if value is COMPUTED else value
-            yield judge_number(exercise, value, submission.student)
+        if isinstance(exercise, Number) and numbers.get(exercise.id) is COMPUTED:
+            text = "No number came when the cells ran in order: an earlier one raised or never ended."
+            yield no_answer(exercise, text)
+        elif isinstance(exercise, Number):
+            yield judge_number(exercise, numbers.get(exercise.id), submission.student)
         else:
-            yield _function_verdict(submission, exercise, deadline - time.monotonic())
+            yield verdicts[exercise.id]
 
 
 def _function_verdict(submission: Submission, exercise: Exercise, time_left: float) -> Verdict:
-    answer = assemble(exercise.function_name, from_cells(submission.cells))
+    answer = assemble(exercise.function_name, submission.lookup(exercise))
     if answer is None:
         broken = broken_definition(exercise.function_name, submission.cells)
         if broken:
@@ -138,8 +147,10 @@ def _function_verdict(submission: Submission, exercise: Exercise, time_left: flo
         return judge_answer(process, exercise, answer, submission.student, time_limit=time_left)
 
 
-def _computed(submission: Submission, deadline: float) -> dict[str, float]:
+def _computed(
+    submission: Submission, references: dict[str, str], deadline: float
+) -> dict[str, float]:
     """Numbers that are worked out in the notebook: its cells run once, in a fresh process."""
     with AnswerProcess(max(deadline - time.monotonic(), 0.0)) as process:
-        reply = process.run(list(submission.cells), submission.student)
+        reply = process.run(list(submission.cells), submission.student, references)
     return {} if reply.error else {str(k): v for k, v in reply.value}

@@ -15,7 +15,7 @@ from typing import Any
 from robocon_course._arrays import CourseError
 from robocon_course.exercises import registry
 from robocon_course.exercises.model import Chapter, Exercise
-from robocon_course.exercises.source import from_cells, plain_code
+from robocon_course.exercises.source import Lookup, from_cells, plain_code
 
 SIZE_LIMIT = 20 << 20  # bytes; a notebook with every figure in it stays below 3 MB
 COMPUTED = object()
@@ -27,11 +27,25 @@ class SubmissionError(CourseError):
 
 @dataclass(frozen=True)
 class Submission:
-    """Code cells of one student, all notebooks of a folder together."""
+    """Code cells of one student, notebook by notebook."""
 
     path: Path
-    cells: tuple[str, ...]
+    notebooks: tuple[tuple[str, ...], ...]
     student: int
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Code cells of all notebooks."""
+        return tuple(cell for cells in self.notebooks for cell in cells)
+
+    def lookup(self, exercise: Exercise) -> Lookup:
+        """Where an exercise's function and its helpers are found: one notebook, never a mixture.
+
+        The last one that defines the function; one that also checks it comes first.
+        """
+        defining = [c for c in self.notebooks if from_cells(c)(exercise.function_name)]
+        checking = [c for c in defining if exercise.id in "\n".join(c)]
+        return from_cells((checking or defining or [()])[-1])
 
     @property
     def chapters(self) -> tuple[Chapter, ...]:
@@ -81,9 +95,9 @@ def read_submission(path: Path) -> Submission:
     else:
         notebooks = [path]
     parsed = [_code_cells(notebook) for notebook in notebooks]
-    cells = [plain_code(_text(cell["source"])) for part in parsed for cell in part]
+    cells = tuple(tuple(plain_code(_text(c["source"])) for c in part) for part in parsed)
     printed = [_printed(cell) for part in parsed for cell in part]
-    return Submission(path, tuple(cells), _student(path, cells, printed))
+    return Submission(path, cells, _student(path, sum(cells, ()), printed))
 
 
 def _handed_in(path: Path) -> bool:
@@ -126,7 +140,7 @@ def _printed(cell: dict[str, Any]) -> str:
         return ""
 
 
-def _student(path: Path, cells: list[str], printed: list[str]) -> int:
+def _student(path: Path, cells: tuple[str, ...], printed: list[str]) -> int:
     """The student number: a name that is a number, what ``begin`` was given, else what it said."""
     if path.stem.isdecimal():
         return int(path.stem)
