@@ -57,7 +57,7 @@ class AnswerProcess:
             env=_environment(),
             start_new_session=True,  # so that its children end with it
         )
-        self._ready = False
+        self._ready = self._closed = False
         self._lines: queue.Queue[bytes] = queue.Queue()
         threading.Thread(target=self._read, daemon=True).start()
 
@@ -73,12 +73,15 @@ class AnswerProcess:
         """Call function ``name`` of the answer."""
         return self._ask(do="call", name=name, args=args, kwargs=kwargs or {})
 
-    def run(self, cells: list[str], student: int) -> Reply:
+    def run(self, cells: list[str], student: int, references: dict[str, str]) -> Reply:
         """Run a notebook's cells; the value lists the numbers it passed to ``answer``."""
-        return self._ask(do="run", cells=cells, student=student)
+        return self._ask(do="run", cells=cells, student=student, references=references)
 
     def close(self) -> None:
         """End the process and everything it started."""
+        if self._closed:
+            return  # its number may be another process's by now
+        self._closed = True
         if os.name == "posix":
             try:
                 os.killpg(self._process.pid, signal.SIGKILL)

@@ -109,8 +109,10 @@ def _unpack(data: Any) -> Any:
 
 
 def _course_type(module: str, name: str) -> type:
-    """A type of the course that is loaded already; nothing is imported on a message's word."""
+    """A result type of the course, loaded already; nothing is imported on a message's word."""
     found = getattr(sys.modules.get(module), name, None)
-    if not module.startswith("robocon_course.") or not isinstance(found, type):
+    plain = dataclasses.is_dataclass(found) or hasattr(found, "_fields")
+    own = module.startswith("robocon_course.") and getattr(found, "__module__", "") == module
+    if not (isinstance(found, type) and plain and own):
         raise ValueError(f"{module}.{name} is not a type of the course")
     return found

@@ -151,7 +151,7 @@ def _failed(
 ) -> Verdict:
     """The verdict when case number ``at`` is the first that failed."""
     case, reply = cases[at], replies[at]
-    special = _special(exercise, case, reply)
+    special = _special(case, reply)
     if special:
         outcome, text = special
         return _verdict(exercise, outcome, text, replies=replies)
@@ -182,7 +182,7 @@ def _failed(
     )
 
 
-def _special(exercise: Exercise, case: Case, reply: Reply) -> tuple[Outcome, str] | None:
+def _special(case: Case, reply: Reply) -> tuple[Outcome, str] | None:
     """Outcomes that say nothing about right or wrong numbers."""
     if reply.error == "NotImplementedError":
         return Outcome.NOT_ATTEMPTED, "Write the function in the cell above, run it, check again."

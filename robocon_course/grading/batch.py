@@ -124,7 +124,7 @@ def _verdicts(
         numbers = {k: computed.get(k, v) if v is COMPUTED else v for k, v in numbers.items()}
     for exercise in exercises:
         if isinstance(exercise, Number) and numbers.get(exercise.id) is COMPUTED:
-            text = "No number came when the cells ran in order: an earlier one raised or never ended."
+            text = "The cells gave no number when they ran in order: one raised or never ended."
             yield no_answer(exercise, text)
         elif isinstance(exercise, Number):
             yield judge_number(exercise, numbers.get(exercise.id), submission.student)
