@@ -33,6 +33,13 @@ app = typer.Typer(
 console = Console(highlight=False)
 
 
+@app.callback()
+def _any_terminal() -> None:
+    """Let a terminal or a pipe without our signs (✔, °) show "?" instead of ending in an error."""
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="replace")
+
+
 @contextmanager
 def _refusals() -> Iterator[None]:
     """Turn the course's own refusals into one sentence and exit code 2."""
