@@ -168,9 +168,9 @@ def quaternion_from_euler(roll: ArrayLike, pitch: ArrayLike, yaw: ArrayLike) -> 
     -----
     Kuipers 1999, section 7.3 (aerospace sequence Z-Y-X).
     """
-    half = np.stack(np.broadcast_arrays(roll, pitch, yaw), axis=-1).astype(np.float64) / 2.0
-    cr, cp, cy = np.moveaxis(np.cos(half), -1, 0)
-    sr, sp, sy = np.moveaxis(np.sin(half), -1, 0)
+    halves = [np.asarray(angle, dtype=np.float64) / 2.0 for angle in (roll, pitch, yaw)]
+    cr, cp, cy = (np.cos(half) for half in halves)
+    sr, sp, sy = (np.sin(half) for half in halves)
     return np.stack(
         [
             cr * cp * cy + sr * sp * sy,

@@ -123,5 +123,5 @@ def inclination_error(estimated: ArrayLike, truth: ArrayLike) -> FloatArray:
 
 def has_direction(accel: FloatArray) -> FloatArray:
     """Which samples point somewhere, shape (...): finite and not zero."""
-    norm = np.linalg.norm(accel, axis=-1)
-    return (norm > 0.0) & (norm < inf)
+    largest = np.abs(accel).max(axis=-1)
+    return (largest > 0.0) & (largest < inf)
