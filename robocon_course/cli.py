@@ -89,6 +89,12 @@ def lab(
         command = [sys.executable, "-m", "jupyter", "lab", f"--ServerApp.root_dir={workspace}"]
         first = "/lab/tree/00_start.ipynb" if (workspace / "00_start.ipynb").is_file() else "/lab"
         command += [f"--ServerApp.default_url={first}"]
+        # No question about news, no look for updates: a lesson must not depend on a network.
+        command += [
+            f"--LabApp.app_settings_dir={files.PACKAGE / 'jupyter'}",
+            "--LabApp.news_url=",
+            "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
+        ]
         command += ["--no-browser"] if no_browser else []
         console.print(f"Opening {escape(str(workspace))} in JupyterLab. Stop it with Ctrl+C.")
         raise typer.Exit(subprocess.run(command).returncode)
