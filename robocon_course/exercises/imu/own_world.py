@@ -91,7 +91,8 @@ def _attitude_in_motion_cases(student: int, rng: np.random.Generator) -> list[Ca
 
 
 def _tilt_rms(case: Case, quaternions: np.ndarray) -> float:
-    length = np.linalg.norm(quaternions, axis=-1)
+    with np.errstate(over="ignore"):
+        length = np.linalg.norm(quaternions, axis=-1)
     row = int(np.argmax(np.abs(length - 1.0)))
     if not abs(length[row] - 1.0) < 1e-3:
         raise ValueError(f"a quaternion has length 1; the one in row {row} has {length[row]:.3g}")
