@@ -79,8 +79,9 @@ def free_names(text: str) -> list[str]:
         own = {step.argval for step in steps if step.opname == "STORE_NAME"}
         reads = [s.argval for s in steps if s.opname in ("LOAD_GLOBAL", "LOAD_NAME")]
         found |= dict.fromkeys(name for name in reads if name not in own)
-    given = {*dir(builtins), "__name__", *(getattr(n, "name", "") for n in ast.parse(text).body)}
-    return [name for name in found if name not in given]
+    given = {*dir(builtins), *(getattr(node, "name", "") for node in ast.parse(text).body)}
+    # Names like __annotations__ are Python's own, and which there are differs between versions.
+    return [name for name in found if name not in given and not name.startswith("__")]
 
 
 def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
