@@ -485,9 +485,11 @@ def test_an_answer_is_found_with_all_it_needs_in_a_live_notebook_and_in_a_file(c
     lookup = from_namespace(live(cells)) if rules == "live" else from_cells(cells)
     answer = assemble("f", lookup)
     assert answer.missing == ()
-    namespace: dict = {"__name__": "answer"}
-    exec(compile(answer.text, "<answer>", "exec"), namespace)
-    assert namespace["f"](3.0) == pytest.approx(1.5)
+    with AnswerProcess() as process:
+        assert process.load(answer.text).error == ""
+        assert process.call("f", (3.0,)).value == pytest.approx(1.5)
+    Workspace().accept("toy.f", answer.text)
+    assert Workspace().part("toy.f")(3.0) == pytest.approx(1.5)
 
 
 STRAY = {

@@ -11,6 +11,7 @@ import io
 import os
 import sys
 import traceback
+import types
 from typing import Any, BinaryIO
 
 from robocon_course.answers import wire
@@ -68,7 +69,9 @@ class Worker:
 
     def load(self, source: str, blocked: list[str]) -> None:
         """Run the answer's definitions in a fresh namespace."""
-        self.source, self.names = source, {"__name__": "answer"}
+        # A module that is known by its name: a data class looks itself up there.
+        module = sys.modules["answer"] = types.ModuleType("answer")
+        self.source, self.names = source, vars(module)
         block(blocked)
         exec(compile(source, FILENAME, "exec"), self.names)
 

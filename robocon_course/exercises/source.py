@@ -94,14 +94,15 @@ def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
 
 def from_namespace(namespace: dict[str, Any]) -> Lookup:
     """Look names up in a live notebook."""
-
     written = from_cells(namespace.get("In", []))
 
     def lookup(name: str) -> str | None:
         if name not in namespace:
             return None
-        text = _statement(name, namespace[name])
-        return written(name) if text is None and name.isupper() else text
+        value = namespace[name]
+        # Arrays have no literal, and a class without methods no code: their cells have the text.
+        definition = name.isupper() or isinstance(value, type)
+        return _statement(name, value) or (written(name) if definition else None)
 
     return lookup
 
