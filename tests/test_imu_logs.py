@@ -168,7 +168,7 @@ def test_a_spreadsheet_with_decimal_commas(log_file):
 
 def test_columns_may_stand_in_any_order_beside_others(log_file):
     log = imu.read_log(
-        log_file("az,mag_x,ay,note,ax,gz,gy,gx,t", "6,9,5,hm,4,3,2,1,0", "6,9,5,,4,3,2,1,1")
+        log_file("az,mag_x,ay,note,ax,gz,gy,gx,t", "6,9,5,hm,4,3,2,1,0", "6,9,5,,4,3,2,1,0.1")
     )
     assert log.gyro[0].tolist() == [1.0, 2.0, 3.0] and log.accel[0].tolist() == [4.0, 5.0, 6.0]
 

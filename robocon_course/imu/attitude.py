@@ -122,6 +122,15 @@ def inclination_error(estimated: ArrayLike, truth: ArrayLike) -> FloatArray:
 
 
 def has_direction(accel: FloatArray) -> FloatArray:
-    """Which samples point somewhere, shape (...): finite and not zero."""
+    """Which samples point somewhere: finite and not zero.
+
+    Parameters
+    ----------
+    accel : ndarray, shape (..., 3)  [any unit, body]
+
+    Returns
+    -------
+    ndarray of bool, shape (...)
+    """
     largest = np.abs(accel).max(axis=-1)
     return (largest > 0.0) & (largest < inf)

@@ -6,7 +6,7 @@
 Gravity is the ruler: at rest |acceleration| = g whichever way the sensor lies. With an axis held
 straight up and straight down, bias = (max + min)/2 and scale = 2 g/(max - min). With any other
 mixture of directions the raw samples lie on an ellipsoid, whose centre is the bias and whose
-half-axes are g/scale. (The mean of one still log is no bias of an accelerometer: it holds gravity.)
+half-axes are g/scale. (The mean of one still log is no accelerometer bias: it holds gravity.)
 
 Source: F. Ferraris, U. Grimaldi, M. Parvis, Procedure for effortless in-field calibration of
 three-axis rate gyros and accelerometers, Sensors and Materials 7(5), 1995; the fit: I. Frosio,
@@ -27,9 +27,8 @@ from robocon_course.geometry import GRAVITY, as_vectors
 # A still log of 15 to 20 s has 1500 rows and more; below 100 a mean says little and a bump hides.
 FEWEST_ROWS = 100
 # Movement shows as a block whose mean or spread leaves the others. The absolute limits, 0.57 deg/s
-# and 1.7 deg/s, are what the hand or a running motor adds to a table at rest; the relative ones
-# let noisy sensors and raw counts (where 0.01 is far below one count) pass. A mean of ten or more
-# rows of white noise practically never leaves 2 sigma, nor their spread: 3 and 5 leave room.
+# and 1.7 deg/s, let a table that hums pass; the relative ones noisy sensors, and raw counts, where
+# 0.01 means nothing. Ten rows of white noise keep both within 2 sigma; 3 and 5 leave room.
 MEAN_LIMIT, MEAN_SIGMAS = 0.01, 3.0
 SPREAD_LIMIT, SPREAD_SIGMAS = 0.03, 5.0
 # Smallest singular value per sqrt(row) of the ellipsoid fit. One over it is how much worse bias or
@@ -66,7 +65,16 @@ class GyroCalibration:
     noise: FloatArray
 
     def apply(self, raw: ArrayLike) -> FloatArray:
-        """Rates without the bias, shape (..., 3); NaN stays NaN."""
+        """Rates without the bias.
+
+        Parameters
+        ----------
+        raw : array_like, shape (..., 3)  [unit of the still log]
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+        """
         return as_vectors(raw, "raw", 3) - self.bias
 
 
@@ -84,7 +92,16 @@ class AccelerometerCalibration:
     scale: FloatArray
 
     def apply(self, raw: ArrayLike) -> FloatArray:
-        """Accelerations (raw - bias) * scale, shape (..., 3) [m/s^2]; NaN stays NaN."""
+        """Accelerations (raw - bias) * scale.
+
+        Parameters
+        ----------
+        raw : array_like, shape (..., 3)  [raw unit]
+
+        Returns
+        -------
+        ndarray, shape (..., 3)  [m/s^2]
+        """
         return (as_vectors(raw, "raw", 3) - self.bias) * self.scale
 
 
@@ -119,8 +136,8 @@ def calibrate_gyro(still: ArrayLike, *, dt: float | None = None) -> GyroCalibrat
     rows = np.flatnonzero(np.isfinite(still).all(axis=1))
     if len(rows) < FEWEST_ROWS:
         raise ValueError(
-            f"still: {len(rows)} usable rows are too few for a bias; record 15 to 20 s at rest "
-            f"(at least {FEWEST_ROWS} rows without NaN)"
+            f"still: {len(rows)} usable rows are too few for a bias, {FEWEST_ROWS} the least; "
+            "record 15 to 20 s at rest"
         )
     usable = still[rows]
     blocks = np.array_split(np.arange(len(usable)), len(usable) // max(10, len(usable) // 40))
@@ -180,14 +197,13 @@ def calibrate_accelerometer(rests: ArrayLike, gravity: float = GRAVITY) -> Accel
     Raises
     ------
     ValueError
-        Fewer than six rests, a non-finite entry, six that are not up and down on each axis, or
-        more that do not go all around.
+        Fewer than six rests, one not finite, six that are not up and down on each axis, or more
+        that do not go all around.
 
     Notes
     -----
-    Six: bias = (max + min)/2 and scale = 2 g/(max - min) per axis (Ferraris 1995). An axis held a
-    degrees off the vertical reads too short by 1 - cos(a), 0.4 % at 5 degrees; more rests go to
-    `fit_ellipsoid`, which does not mind.
+    Six: bias = (max + min)/2 and scale = 2 g/(max - min) per axis (Ferraris 1995). An axis off the
+    vertical reads too short, by 0.4 % at 5 degrees; more rests go to `fit_ellipsoid`: no such loss.
 
     Examples
     --------
@@ -210,8 +226,8 @@ def calibrate_accelerometer(rests: ArrayLike, gravity: float = GRAVITY) -> Accel
         if np.abs(lengths - 1.0).max() < 0.05:  # 5 %: about 18 degrees off the vertical
             return AccelerometerCalibration(bias, scale)
     raise ValueError(
-        "rests: six must hold each axis once up and once down; lay the sensor on each of its six "
-        "sides, or give more directions (fit_ellipsoid takes slow turns, no axis ever vertical)"
+        "rests: six must hold each axis once up and once down; lay the sensor on its six sides, or "
+        "give more directions (fit_ellipsoid takes slow turns, no axis ever vertical)"
     )
 
 
@@ -221,7 +237,7 @@ def fit_ellipsoid(samples: ArrayLike, gravity: float = GRAVITY) -> Accelerometer
     Parameters
     ----------
     samples : array_like, shape (n, 3)  [m/s^2 or raw counts]
-        Rows with NaN are left out; six must remain. Turn slowly: a push counts as gravity.
+        Rows with NaN are left out; six must remain. A push would count as gravity: turn slowly.
     gravity : float  [m/s^2]
 
     Returns

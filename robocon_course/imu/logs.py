@@ -33,7 +33,7 @@ _RATE |= dict.fromkeys(("deg_s", "degs", "dps", "deg_per_s"), radians(1.0))
 _ACCEL = {"": 1.0, "m_s2": 1.0, "ms2": 1.0, "m_s_2": 1.0, "mps2": 1.0, "g": GRAVITY}
 _TIME_NAMES = "t|time|timestamp|time_stamp|elapsed|seconds_elapsed"
 _GYRO_NAMES = "gyr|gyro|gyroscope|g|w|omega|angular_velocity|rotation_rate"
-_ACCEL_NAMES = "acc|accel|accelerometer|acceleration|a|linear_acceleration"
+_ACCEL_NAMES = "acc|accel|accelerometer|acceleration|a"  # linear_acceleration lacks gravity
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class ImuLog:
     Attributes
     ----------
     time : ndarray, shape (n,)  [s]
-        As recorded; never runs backwards.
+        As recorded; never runs backwards, but two rows may share a time.
     gyro : ndarray, shape (n, 3)  [rad/s, body]
         NaN where the cell was empty.
     accel : ndarray, shape (n, 3)  [m/s^2, body]
@@ -207,7 +207,7 @@ def _checked_time(
             f"({time[k - 1]:.6g} s, then {time[k]:.6g} s); "
             "sort the rows, or cut the log where the clock was set"
         )
-    if len(steps) and np.median(steps) > 1.0:
+    if len(steps) and np.median(steps) > 0.5:
         raise ValueError(
             f"{path}: rows are {np.median(steps):.6g} s apart; if the time is not in seconds, let "
             "its name end in _ms, _us or _ns"

@@ -70,11 +70,33 @@ class MahonyState(NamedTuple):
 
 
 @njit(cache=True)
-def mahony_update(state, gyro, accel, dt, k_p, k_i, gate):
+def mahony_update(
+    state: FloatArray,
+    gyro: FloatArray,
+    accel: FloatArray,
+    dt: float,
+    k_p: float,
+    k_i: float,
+    gate: float,
+) -> bool:
     """One Mahony step on ``state`` = (w, x, y, z, ix, iy, iz), in place; was the sample used?
 
     The kernel behind `mahony_step`, `AttitudeFilter` and `estimate_attitude`, for loops that
-    count nanoseconds. It trusts its input: float64 arrays of 7, 3 and 3 numbers, then floats.
+    count nanoseconds. It trusts its input.
+
+    Parameters
+    ----------
+    state : ndarray of float64, shape (7,)  [-, rad/s]
+        Quaternion and integral; left alone when the result would not be finite.
+    gyro : ndarray of float64, shape (3,)  [rad/s, body]
+    accel : ndarray of float64, shape (3,)  [m/s^2, body]
+    dt : float  [s]
+    k_p, k_i, gate : float  [1/s, 1/s^2, m/s^2]
+        As in `MahonyGains`.
+
+    Returns
+    -------
+    bool
     """
     w, x, y, z = state[0], state[1], state[2], state[3]
     ix, iy, iz = state[4], state[5], state[6]
@@ -162,7 +184,21 @@ def mahony_step(
 
 
 def checked_gains(gains: MahonyGains) -> tuple[float, float, float]:
-    """The gains as the floats the kernel takes, refused if they cannot be gains."""
+    """The gains as the floats the kernel takes.
+
+    Parameters
+    ----------
+    gains : MahonyGains
+
+    Returns
+    -------
+    tuple of 3 floats
+
+    Raises
+    ------
+    ValueError
+        Negative or NaN.
+    """
     k_p, k_i, gate = gains
     if not (0.0 <= k_p < inf and 0.0 <= k_i < inf and gate >= 0.0):
         raise ValueError(f"gains: k_p, k_i and gate must not be negative or NaN, got {gains}")
@@ -170,7 +206,21 @@ def checked_gains(gains: MahonyGains) -> tuple[float, float, float]:
 
 
 def as_memory(state: MahonyState) -> FloatArray:
-    """The state as the one array that the kernel updates, (7,)."""
+    """The state as the one array that the kernel updates; a copy.
+
+    Parameters
+    ----------
+    state : MahonyState
+
+    Returns
+    -------
+    ndarray, shape (7,)
+
+    Raises
+    ------
+    ValueError
+        Wrong shape.
+    """
     memory = np.empty(7)
     memory[:4] = as_reading(state[0], "state.quaternion", 4)
     memory[4:] = as_reading(state[1], "state.integral", 3)
@@ -178,7 +228,25 @@ def as_memory(state: MahonyState) -> FloatArray:
 
 
 def as_reading(value: ArrayLike, name: str, size: int) -> FloatArray:
-    """`as_floats` for one sample, (size,): what is right passes at once, for the loop's sake."""
+    """`as_floats` for one sample: what is right passes at once, for the control loop's sake.
+
+    Parameters
+    ----------
+    value : array_like, shape (size,)
+        NaN and infinity pass.
+    name : str
+        Name of the argument, for the message.
+    size : int
+
+    Returns
+    -------
+    ndarray, shape (size,)
+
+    Raises
+    ------
+    ValueError
+        Not numbers, or another shape.
+    """
     with suppress(TypeError, ValueError):
         array = np.asarray(value, dtype=np.float64, order="C")
         if array.shape == (size,):

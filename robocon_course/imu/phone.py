@@ -70,9 +70,9 @@ def listen(port: int, host: str = "0.0.0.0", *, timeout: float | None = None) ->
     Raises
     ------
     ValueError
-        No such port or host, or a timeout that is not positive.
+        No such port number, or a timeout that is not positive.
     OSError
-        The port is taken by another program.
+        The port is taken by another program, or the host is not this computer.
 
     Examples
     --------
