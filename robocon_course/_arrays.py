@@ -38,19 +38,20 @@ def as_floats(value: ArrayLike, name: str, *shape: int | None, finite: bool = Tr
         array = np.asarray(value, dtype=np.float64, order="C")
     except (TypeError, ValueError):
         raise ValueError(f"{name}: expected numbers, got {type(value).__name__}") from None
-    wanted = (
-        "("
-        + ", ".join("n" if n is None else str(n) for n in shape)
-        + ("," if len(shape) == 1 else "")
-        + ")"
-    )
-    if array.ndim != len(shape) or any(
-        n is not None and n != got for n, got in zip(shape, array.shape, strict=True)
-    ):
-        raise ValueError(f"{name}: expected shape {wanted}, got {array.shape}")
+    # The sentence is built only where it is needed: control loops pass here at every sample.
+    if array.shape != shape and not _fits(array.shape, shape):
+        wanted = ", ".join("n" if n is None else str(n) for n in shape)
+        comma = "," if len(shape) == 1 else ""
+        raise ValueError(f"{name}: expected shape ({wanted}{comma}), got {array.shape}")
     if finite and not np.isfinite(array).all():
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise ValueError(
             f"{name}: entry {where} is not a finite number; remove it or mend it first"
         )
     return array
+
+
+def _fits(got: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
+    return len(got) == len(wanted) and all(
+        n is None or n == g for g, n in zip(got, wanted, strict=True)
+    )

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -85,7 +84,9 @@ def lab(
     opens that; a notebook that is there already stays as it is.
     """
     with _refusals():
-        workspace = _workspace(folder)
+        from robocon_course import desk
+
+        workspace = desk.prepare(folder)
         command = [sys.executable, "-m", "jupyter", "lab", f"--ServerApp.root_dir={workspace}"]
         first = "/lab/tree/00_start.ipynb" if (workspace / "00_start.ipynb").is_file() else "/lab"
         command += [f"--ServerApp.default_url={first}"]
@@ -98,18 +99,6 @@ def lab(
         command += ["--no-browser"] if no_browser else []
         console.print(f"Opening {escape(str(workspace))} in JupyterLab. Stop it with Ctrl+C.")
         raise typer.Exit(subprocess.run(command).returncode)
-
-
-def _workspace(folder: Path | None) -> Path:
-    """The folder to work in: notebooks/ of a checkout, else a workspace that is filled up."""
-    if folder is None and files.in_checkout() and Path.cwd().is_relative_to(files.CHECKOUT):
-        return files.CHECKOUT / "notebooks"
-    workspace = (folder or Path("robocon")).resolve()
-    workspace.mkdir(parents=True, exist_ok=True)
-    for lesson in sorted(files.lessons_folder().glob("*.ipynb")):
-        if not (workspace / lesson.name).exists():
-            shutil.copyfile(lesson, workspace / lesson.name)
-    return workspace
 
 
 @app.command()
@@ -154,36 +143,13 @@ def build(
         problems: list[str] = []
         with _progress("comparing" if check else "building", len(sources)) as done:
             for path in sources:
-                problems += _build_one(path, check)
+                problems += lessons.build_lesson(path, check=check)
                 done(path.stem)
     for problem in problems:
         console.print(f"✘ {escape(problem)}", soft_wrap=True)
     if problems:
         raise typer.Exit(WRONG)
     console.print(f"✔ {len(sources)} lessons in step")
-
-
-def _build_one(path: Path, check: bool) -> list[str]:
-    """Build or compare one lesson; what is out of step."""
-    import tempfile
-
-    from robocon_course import lessons
-
-    student = files.CHECKOUT / "notebooks" / f"{path.stem}.ipynb"
-    solved = path.with_suffix(".ipynb")
-    try:
-        source = lessons.read_source(path)
-    except lessons.LessonError as error:
-        return str(error).splitlines()
-    if not check:
-        lessons.write_notebook(lessons.student_notebook(source), student)
-        with tempfile.TemporaryDirectory() as workspace:
-            try:
-                executed = lessons.executed_notebook(source, Path(workspace))
-            except lessons.LessonError as error:
-                return [f"{path.name}: {error}"]
-        lessons.write_notebook(executed, solved)
-    return lessons.check_lesson(source, student, solved)
 
 
 @app.command()
@@ -259,89 +225,31 @@ def reset(
 
     The notebook you had is kept beside the new one as NN_topic.kept-1.ipynb.
     """
+    from robocon_course import desk
+
     with _refusals():
         if (number is None) == (part is None):
             raise CourseError("give a lesson (robocon reset 01) or a part (--part imu.mahony_step)")
-        message = _reset_lesson(number) if number else _reset_part(str(part), version)
+        message = desk.reset_lesson(number) if number else desk.reset_part(str(part), version)
     console.print(escape(message))
-
-
-def _reset_lesson(number: str) -> str:
-    from robocon_course.exercises import registry
-
-    name = f"{registry.chapter(number).name}.ipynb"
-    pristine = _pristine(name)
-    target = _student_folder() / name
-    kept = ""
-    if target.exists():
-        beside = next(
-            path
-            for count in range(1, 1000)
-            if not (path := target.with_name(f"{target.stem}.kept-{count}.ipynb")).exists()
-        )
-        target.rename(beside)
-        kept = f"; yours is kept as {beside.name}"
-    target.write_bytes(pristine)
-    return f"{name} is new again{kept}"
-
-
-def _pristine(name: str) -> bytes:
-    """A lesson as it was shipped; in a checkout notebooks/ may hold a student's own work."""
-    packed = files.PACKAGE / "_lessons" / name
-    if packed.is_file():
-        return packed.read_bytes()
-    source = files.CHECKOUT / "solutions" / name.replace(".ipynb", ".py")
-    show = ["git", "-C", str(files.CHECKOUT), "show", f"HEAD:notebooks/{name}"]
-    done = subprocess.run(show, capture_output=True)
-    if done.returncode == 0:
-        return done.stdout
-    import nbformat
-
-    from robocon_course import lessons
-
-    notebook = lessons.student_notebook(lessons.read_source(source))
-    return (nbformat.writes(notebook) + "\n").encode()
-
-
-def _reset_part(part: str, version: int | None) -> str:
-    from robocon_course.exercises.workspace import Workspace
-
-    workspace = Workspace(_student_folder())
-    version = version or max(workspace.in_use().get(part, 1) - 1, 1)
-    workspace.use(part, version)
-    return f"{part} is version {version} of {len(workspace.versions(part))} again"
-
-
-def _student_folder() -> Path:
-    """Where a student's notebooks lie, seen from where the command was typed."""
-    import os
-
-    if os.environ.get("ROBOCON_WORKSPACE"):
-        return Path(os.environ["ROBOCON_WORKSPACE"])
-    here = Path.cwd()
-    if list(here.glob("[0-9][0-9]_*.ipynb")):
-        return here
-    for folder in (here / "notebooks", here / "robocon"):
-        if folder.is_dir():
-            return folder
-    raise CourseError(f"{here} holds no lessons; go to the folder with your notebooks")
 
 
 @app.command()
 def status() -> None:
     """Show points per chapter, the parts of your robot, and what comes next."""
+    from robocon_course import desk
     from robocon_course.exercises.notebook import status_lines
     from robocon_course.exercises.workspace import Workspace
 
     with _refusals():
-        for line in status_lines(Workspace(_student_folder())):
+        for line in status_lines(Workspace(desk.find())):
             console.print(escape(line), soft_wrap=True)
 
 
 @app.command()
 def attitude(
     file: Annotated[Path, typer.Argument(help="CSV with time, gyro and accel columns.")],
-    k_p: Annotated[float, typer.Option("--kp", help="Proportional gain [1/s].")] = 1.0,
+    k_p: Annotated[float, typer.Option("--kp", help="Proportional gain [1/s].")] = 0.5,
     k_i: Annotated[float, typer.Option("--ki", help="Integral gain [1/s²].")] = 0.0,
     still: Annotated[
         float, typer.Option(help="Seconds at rest at the start: their mean is the gyro bias.")
@@ -359,38 +267,14 @@ def attitude(
     deg/s), acc_x … in m/s² (acc_x_g in g).
     """
     with _refusals():
-        results = _attitude(file, k_p, k_i, still, rate, out)
+        from robocon_course.imu import MahonyGains
+        from robocon_course.recordings import attitude_of_file
+
+        with console.status("working …"):
+            gains = MahonyGains(k_p, k_i)
+            results = attitude_of_file(file, gains, still=still, rate=rate, out=out)
     for line in results:
         console.print(escape(line), soft_wrap=True)
-
-
-def _attitude(
-    file: Path, k_p: float, k_i: float, still: float, rate: float | None, out: Path | None
-) -> list[str]:
-    import numpy as np
-
-    from robocon_course import imu
-    from robocon_course.view import plots
-
-    with console.status("reading …"):
-        log = imu.read_log(file, rate=rate)
-    gyro = log.gyro
-    lines = []
-    if still:
-        rest = log.time - log.time[0] < still
-        bias = imu.calibrate_gyro(gyro[rest], dt=float(np.median(log.dt[1:]))).bias
-        gyro = gyro - bias
-        lines.append(f"Gyro bias from {still:g} s at rest: {np.degrees(bias).round(3)} deg/s")
-    result = imu.estimate_attitude(gyro, log.accel, log.dt, gains=imu.MahonyGains(k_p, k_i))
-    folder = out or file.parent
-    folder.mkdir(parents=True, exist_ok=True)
-    table, picture = (folder / f"{file.stem}_attitude.{end}" for end in ("csv", "png"))
-    imu.write_angles(table, log, result)
-    angles: dict[str, Any] = {n: getattr(result, n) for n in ("roll", "pitch", "yaw")}
-    picture.write_bytes(plots.png(plots.plot_angles(log.time, angles)))
-    ends = ", ".join(f"{n} {np.degrees(v[-1]):.1f}°" for n, v in angles.items())
-    lines.append(f"{len(log.time)} samples, {result.rejected} not fully used; at the end {ends}")
-    return [*lines, f"Angles: {table}", f"Picture: {picture}"]
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ import copy
 import hashlib
 import re
 import subprocess
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -40,6 +41,34 @@ class LessonError(CourseError):
 def sources(folder: Path) -> list[Path]:
     """The lesson sources of a solutions/ folder, in order."""
     return sorted(folder.glob("[0-9][0-9]_*.py"))
+
+
+def build_lesson(path: Path, *, check: bool = False) -> list[str]:
+    """Make the two notebooks of a lesson, or only compare them with their source.
+
+    Parameters
+    ----------
+    path : Path
+        solutions/NN_topic.py; the student's notebook goes to notebooks/ beside solutions/.
+    check : bool
+        Write and execute nothing.
+
+    Returns
+    -------
+    list of str
+        What is not well formed, raises, or is out of step; empty when all is well.
+    """
+    student = path.parent.parent / "notebooks" / f"{path.stem}.ipynb"
+    solved = path.with_suffix(".ipynb")
+    try:
+        source = read_source(path)
+        if not check:
+            write_notebook(student_notebook(source), student)
+            with tempfile.TemporaryDirectory() as workspace:
+                write_notebook(executed_notebook(source, Path(workspace)), solved)
+        return check_lesson(source, student, solved)
+    except LessonError as error:
+        return [f"{path.name}: {line}" for line in str(error).splitlines()]
 
 
 def read_source(path: Path) -> NotebookNode:
@@ -69,7 +98,7 @@ def read_source(path: Path) -> NotebookNode:
         _mark(cell, taken, path)
     problems = list(source_problems(notebook))
     if problems:
-        raise LessonError("\n".join(f"{path.name}: {problem}" for problem in problems))
+        raise LessonError("\n".join(problems))
     return notebook
 
 

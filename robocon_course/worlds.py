@@ -35,7 +35,6 @@ def generator(student: int, *purpose: str) -> np.random.Generator:
 
 DT = 0.01  # s, the phone's sample period
 MATCH = 180.0  # s
-GRAVITY = 9.80665  # m/s^2
 LEAN = 0.2  # rad: how far from upright a hand holds the phone during its slow turns
 
 

@@ -15,7 +15,6 @@ from robocon_course.imu.mahony import (
     MahonyGains,
     MahonyState,
     as_memory,
-    as_reading,
     checked_gains,
     mahony_update,
 )
@@ -84,7 +83,8 @@ class AttitudeFilter:
         ValueError
             Wrong shape.
         """
-        gyro, accel = as_reading(gyro, "gyro", 3), as_reading(accel, "accel", 3)
+        gyro = as_floats(gyro, "gyro", 3, finite=False)
+        accel = as_floats(accel, "accel", 3, finite=False)
         if not self._started and has_direction(accel):
             self._memory[:4] = attitude_from_accel(accel)
             self._started = True

@@ -15,7 +15,6 @@ Orthogonal Group, IEEE Transactions on Automatic Control 53(5), 2008, equations 
 
 from __future__ import annotations
 
-from contextlib import suppress
 from math import inf, sqrt
 from typing import NamedTuple
 
@@ -176,7 +175,10 @@ def mahony_step(
     [0.969, 0.0, 0.0, 0.247]
     """
     after = as_memory(state)
-    gyro, accel = as_reading(gyro, "gyro", 3), as_reading(accel, "accel", 3)
+    gyro, accel = (
+        as_floats(gyro, "gyro", 3, finite=False),
+        as_floats(accel, "accel", 3, finite=False),
+    )
     if not 0.0 < dt < inf:
         raise ValueError(f"dt: must be a positive number of seconds, got {dt!r}")
     mahony_update(after, gyro, accel, float(dt), *checked_gains(gains))
@@ -222,33 +224,6 @@ def as_memory(state: MahonyState) -> FloatArray:
         Wrong shape.
     """
     memory = np.empty(7)
-    memory[:4] = as_reading(state[0], "state.quaternion", 4)
-    memory[4:] = as_reading(state[1], "state.integral", 3)
+    memory[:4] = as_floats(state[0], "state.quaternion", 4, finite=False)
+    memory[4:] = as_floats(state[1], "state.integral", 3, finite=False)
     return memory
-
-
-def as_reading(value: ArrayLike, name: str, size: int) -> FloatArray:
-    """`as_floats` for one sample: what is right passes at once, for the control loop's sake.
-
-    Parameters
-    ----------
-    value : array_like, shape (size,)
-        NaN and infinity pass.
-    name : str
-        Name of the argument, for the message.
-    size : int
-
-    Returns
-    -------
-    ndarray, shape (size,)
-
-    Raises
-    ------
-    ValueError
-        Not numbers, or another shape.
-    """
-    with suppress(TypeError, ValueError):
-        array = np.asarray(value, dtype=np.float64, order="C")
-        if array.shape == (size,):
-            return array
-    return as_floats(value, name, size, finite=False)

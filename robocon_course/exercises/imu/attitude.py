@@ -8,7 +8,8 @@ import numpy as np
 
 from robocon_course import geometry, imu
 from robocon_course.exercises.model import Case, Exercise, Mistake
-from robocon_course.worlds import DT, GRAVITY
+from robocon_course.geometry import GRAVITY
+from robocon_course.worlds import DT
 
 
 def _attitudes(rng: np.random.Generator, count: int) -> list[np.ndarray]:

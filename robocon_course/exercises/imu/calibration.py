@@ -10,8 +10,9 @@ import numpy as np
 from robocon_course import imu, worlds
 from robocon_course.answers.process import Reply
 from robocon_course.exercises.model import Case, Exercise, Mistake
+from robocon_course.geometry import GRAVITY
 from robocon_course.simulator import sensors
-from robocon_course.worlds import DT, GRAVITY
+from robocon_course.worlds import DT
 
 BLOCK = 50
 
@@ -113,7 +114,7 @@ CALIBRATE_GYRO = Exercise(
         ),
         Mistake(
             "sign reversed",
-            "The sign is reversed. A bias is what the sensor says too much; it is subtracted later.",
+            "The sign is reversed. A bias is what the sensor says too much; later it is taken off.",
             _refusing(lambda still: -still.mean(axis=0)),
         ),
         Mistake(
