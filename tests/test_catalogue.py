@@ -1,0 +1,159 @@
+"""Every exercise of every chapter, by discovery: its reference, its mistakes, its own lesson.
+
+A new chapter is held by these tests as soon as the registry knows it.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+
+import numpy as np
+import pytest
+
+from conftest import ROOT
+from robocon_course.answers.process import AnswerProcess
+from robocon_course.exercises import registry
+from robocon_course.exercises.judge import ask_function, judge, judge_answer, judge_number
+from robocon_course.exercises.model import Exercise, Number, Outcome
+from robocon_course.exercises.source import assemble, from_cells
+from robocon_course.worlds import generator
+
+STUDENTS = (0, 7, 21306141022)
+ALL = list(registry.exercises().values())
+FUNCTIONS = [e for e in ALL if isinstance(e, Exercise)]
+NUMBERS = [e for e in ALL if isinstance(e, Number)]
+MISTAKES = [(e, m) for e in ALL for m in e.mistakes]
+
+
+def name(value) -> str:
+    """What a parametrized test is called."""
+    return getattr(value, "id", None) or getattr(value, "name", None) or str(value)
+
+
+def verdict_on(exercise: Exercise | Number, function, student: int, salt: str = "public"):
+    """The verdict on a function of ours as if it were a student's answer."""
+    if isinstance(exercise, Number):
+        return judge_number(exercise, function(student), student)
+    return judge(exercise, ask_function(function), student, salt)
+
+
+@pytest.mark.parametrize("student", STUDENTS)
+@pytest.mark.parametrize("exercise", ALL, ids=name)
+def test_the_reference_earns_all_points(exercise, student):
+    right = exercise.truth if isinstance(exercise, Number) else exercise.reference
+    for salt in ("public", "graded"):
+        verdict = verdict_on(exercise, right, student, salt)
+        assert verdict.points == exercise.points, verdict.message
+
+
+@pytest.mark.parametrize("student", STUDENTS)
+@pytest.mark.parametrize("exercise, mistake", MISTAKES, ids=name)
+def test_a_known_mistake_earns_less_and_is_told_by_name(exercise, mistake, student):
+    verdict = verdict_on(exercise, mistake.function, student)
+    assert verdict.points < exercise.points
+    assert verdict.mistake == mistake.name
+    assert mistake.message in verdict.message
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("exercise", ALL, ids=name)
+def test_no_student_number_lets_a_mistake_pass(exercise, request):
+    whole = "campaign" in request.config.option.markexpr
+    count = (300 if isinstance(exercise, Number) else 60) if whole else 3
+    for student in range(1000, 1000 + count):
+        for mistake in exercise.mistakes:
+            verdict = verdict_on(exercise, mistake.function, student)
+            assert verdict.points < exercise.points, (mistake.name, student)
+            assert verdict.mistake == mistake.name, student
+
+
+@pytest.mark.parametrize("exercise", ALL, ids=name)
+def test_an_exercise_has_hints_and_mistakes_with_words(exercise):
+    assert len(exercise.hints) >= 2 and len(set(exercise.hints)) == len(exercise.hints)
+    assert len(exercise.mistakes) >= 3
+    names = [m.name for m in exercise.mistakes]
+    assert len(set(names)) == len(names), "a name belongs to one mistake"
+    assert all(m.message.strip().endswith(".") for m in exercise.mistakes)
+    assert exercise.points > 0 and exercise.title
+
+
+@pytest.mark.parametrize("exercise", FUNCTIONS, ids=name)
+def test_every_student_gets_cases_and_not_all_the_same(exercise):
+    first, second, again = (
+        exercise.cases(student, generator(student, exercise.id, "public")) for student in (1, 2, 1)
+    )
+    assert len(first) >= 3 and all(case.what for case in first)
+    assert flat(first) == flat(again)
+    assert flat(first) != flat(second)
+
+
+def flat(cases) -> list[bytes]:
+    """All numbers of some cases, to the bit."""
+    rows: list[bytes] = []
+
+    def add(value) -> None:
+        if isinstance(value, tuple | list):
+            for item in value:
+                add(item)
+        else:
+            rows.append(np.asarray(value, float).tobytes())
+
+    for case in cases:
+        add(case.args)
+    return rows
+
+
+@pytest.mark.parametrize("exercise", FUNCTIONS, ids=name)
+def test_the_reference_bears_the_exercises_name(exercise):
+    assert exercise.reference.__name__ == exercise.function_name
+    assert exercise.id.startswith(f"{exercise.chapter}.")
+
+
+def test_ids_are_unique_and_belong_to_their_chapter():
+    ids = [e.id for about in registry.chapters() for e in about.exercises]
+    assert len(set(ids)) == len(ids)
+    for about in registry.chapters():
+        assert all(e.chapter == about.topic for e in about.exercises)
+        assert registry.chapter(about.number) is registry.chapter(about.topic) is about
+
+
+def test_chapters_stand_in_the_order_of_their_numbers():
+    numbers = [about.number for about in registry.chapters()]
+    assert numbers == sorted(numbers) and len(set(numbers)) == len(numbers)
+
+
+@pytest.mark.parametrize("exercise", FUNCTIONS, ids=name)
+def test_doing_nothing_earns_nothing(exercise):
+    for result in (None, 0.0, np.zeros(3), np.zeros((1, 4)), ""):
+        assert judge(exercise, ask_function(lambda *_, r=result: r)).points == 0.0
+    lazy = judge(exercise, ask_function(lambda first, *_: first))
+    assert lazy.points < exercise.points
+
+
+# --- the lesson's own solution: the naive twin ------------------------------------------------
+
+
+@cache
+def cells(chapter: str) -> tuple[str, ...]:
+    """Code cells of a solved lesson."""
+    path = ROOT / "solutions" / f"{registry.chapter(chapter).name}.ipynb"
+    found = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    return tuple("".join(c["source"]) for c in found if c["cell_type"] == "code")
+
+
+@pytest.mark.parametrize("student", STUDENTS[1:])
+@pytest.mark.parametrize("exercise", FUNCTIONS, ids=name)
+def test_the_lessons_solution_passes_in_a_process_of_its_own(exercise, student):
+    answer = assemble(exercise.function_name, from_cells(cells(exercise.chapter)))
+    with AnswerProcess() as process:
+        verdict = judge_answer(process, exercise, answer, student)
+    assert verdict.points == exercise.points, verdict.message
+
+
+@pytest.mark.parametrize("exercise", FUNCTIONS, ids=name)
+def test_a_graded_run_uses_other_numbers_and_the_solution_passes_there_too(exercise):
+    answer = assemble(exercise.function_name, from_cells(cells(exercise.chapter)))
+    with AnswerProcess() as process:
+        verdict = judge_answer(process, exercise, answer, 7, salt="a class key")
+    assert verdict.outcome is Outcome.PASSED and verdict.points == exercise.points
