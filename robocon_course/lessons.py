@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import copy
 import hashlib
+import os
 import re
 import subprocess
 import tempfile
@@ -135,7 +136,9 @@ def executed_notebook(source: NotebookNode, workspace: Path) -> NotebookNode:
         record_timing=False,
     )
     try:
-        client.execute(stderr=subprocess.DEVNULL)
+        # Whoever builds may be a student too: their robot and their number stay out of it.
+        own = os.environ | {"ROBOCON_WORKSPACE": str(workspace)}
+        client.execute(stderr=subprocess.DEVNULL, env=own)
     except CellExecutionError as error:
         first = str(error).splitlines()[2]
         raise LessonError(f"a cell raises {error.ename}: {error.evalue} (cell {first!r})") from None
