@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 
 LESSON = ROOT / "solutions" / "00_start.ipynb"

@@ -1,0 +1,243 @@
+"""What a student does, in a real browser: open a chapter, run it, move a slider, solve by typing.
+
+Screenshots of the steps lie in test-artefacts/ afterwards, to be looked at.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+
+from conftest import ROOT, missing
+from robocon_course.exercises import registry
+
+pytestmark = pytest.mark.browser
+
+ARTEFACTS = ROOT / "test-artefacts"
+FLAGS = (
+    "--no-sandbox",  # a build server's user is root; only our own pages are opened
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+    "--disable-quic",
+    "--disable-sync",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--no-first-run",
+)
+PATIENCE = 120  # s: a cold disk, a cold compiler cache, two busy cores
+HOST = "127.0.0.1"
+
+# Before a kernel has answered, a command to run cells is lost without a word.
+READY = """async () => {
+    const widget = jupyterapp.shell.currentWidget;
+    await widget.revealed;
+    await widget.sessionContext.ready;
+    await widget.sessionContext.session.kernel.info;
+}"""
+ALL_RUN = """() => {
+    const widget = jupyterapp.shell.currentWidget;
+    return widget.sessionContext.session.kernel.status === 'idle' &&
+        [...widget.content.model.cells].every(c => c.type !== 'code' || c.executionCount);
+}"""
+FIGURE = ".jp-OutputArea-output img"
+BY_HAND = (
+    "w, x, y, z = quaternion",
+    "up = [2 * (x * z - w * y), 2 * (w * x + y * z), w * w - x * x - y * y + z * z]",
+    "return np.array(up)",
+)
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory) -> Path:
+    """A folder that does not exist yet; `robocon lab` makes it."""
+    return tmp_path_factory.mktemp("course") / "robocon"
+
+
+@pytest.fixture(scope="module")
+def address(workspace, tmp_path_factory) -> Iterator[str]:
+    """Address of a JupyterLab started as a student starts it, with nobody's settings."""
+    home = tmp_path_factory.mktemp("home")
+    settings = {
+        "ServerApp": {"allow_root": True, "ip": HOST},  # root may start a server only if told so
+        "LabApp": {"expose_app_in_browser": True},  # lets the test ask the page what is going on
+    }
+    (home / "jupyter_server_config.json").write_text(json.dumps(settings))
+    folders = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "IPYTHONDIR")
+    log = home / "server.log"
+    with log.open("w") as out:
+        server = subprocess.Popen(
+            [sys.executable, "-m", "robocon_course.cli", "lab", str(workspace), "--no-browser"],
+            env=os.environ | dict.fromkeys(folders, str(home)),
+            stdout=out,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+    try:
+        yield address_in(log, server)
+    finally:
+        end(server, log)
+
+
+def address_in(log: Path, server: subprocess.Popen) -> str:
+    """The address that a person would click on, once the server prints it."""
+    for _ in range(10 * PATIENCE):
+        found = re.search(rf"http://{HOST}:\d+/lab\S*token=\w+", log.read_text())
+        if found:
+            return found.group()
+        if server.poll() is not None:
+            break
+        time.sleep(0.1)
+    return pytest.fail(f"robocon lab names no address:\n{log.read_text()}")
+
+
+def end(server: subprocess.Popen, log: Path) -> None:
+    """Ask the server to end itself and its kernels, and end it where it does not."""
+    for url in re.findall(rf"http://{HOST}:\d+/lab\S*token=\w+", log.read_text())[:1]:
+        ask = urllib.request.Request(f"http://{urlsplit(url).netloc}/api/shutdown", method="POST")
+        ask.add_header("Authorization", f"token {url.partition('token=')[2]}")
+        with contextlib.suppress(OSError):
+            urllib.request.urlopen(ask, timeout=20).close()
+    try:
+        server.wait(timeout=30)
+    except subprocess.TimeoutExpired:
+        os.killpg(server.pid, signal.SIGKILL)
+
+
+@pytest.fixture(scope="module")
+def hosts() -> set[str | None]:
+    """Every host that the browser asked for something."""
+    return set()
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory, hosts):
+    """A page of a browser that was never used before."""
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        missing("no chromium on this machine; on Debian: apt-get install chromium")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        missing('playwright is not installed; pip install -e ".[test]"')
+    with sync_playwright() as play:
+        context = play.chromium.launch_persistent_context(
+            str(tmp_path_factory.mktemp("profile")),
+            executable_path=program,
+            headless=True,
+            args=list(FLAGS),
+            viewport={"width": 1280, "height": 900},
+        )
+        context.set_default_timeout(1000 * PATIENCE)
+        context.on("request", lambda request: hosts.add(urlsplit(request.url).hostname))
+        yield context.pages[0]
+        context.close()
+
+
+@pytest.fixture(scope="module")
+def chapter(page, address):
+    """Chapter 01, opened and run from top to bottom."""
+    ARTEFACTS.mkdir(exist_ok=True)
+    parts = urlsplit(address)
+    page.goto(f"http://{parts.netloc}/lab/tree/01_imu.ipynb?{parts.query}")
+    page.wait_for_selector(".jp-Notebook .jp-Cell")
+    page.wait_for_function("window.jupyterapp?.shell.currentWidget?.sessionContext")
+    page.evaluate(READY)
+    photograph(page, "1-opened")
+    page.evaluate("() => { jupyterapp.commands.execute('notebook:run-all-cells') }")
+    page.wait_for_function(ALL_RUN)
+    return page
+
+
+def photograph(page, name: str) -> None:
+    page.screenshot(path=ARTEFACTS / f"{name}.png")
+
+
+def cell_with(page, text: str):
+    """The code cell with a text in its input, scrolled into view."""
+    editor = page.locator(".jp-InputArea-editor", has_text=text)
+    cell = page.locator(".jp-CodeCell", has=editor).first
+    cell.scroll_into_view_if_needed()
+    cell.locator(".jp-InputArea-prompt").click()  # the notebook shows the cell that is active
+    return cell
+
+
+def verdict(cell) -> str:
+    return cell.locator("[role=status]").first.text_content()
+
+
+def test_robocon_lab_opens_the_first_lesson_of_a_new_workspace(address, workspace):
+    assert urlsplit(address).path == "/lab/tree/00_start.ipynb"
+    assert {"00_start.ipynb", "01_imu.ipynb"} <= {path.name for path in workspace.iterdir()}
+
+
+def test_an_untouched_chapter_runs_through_and_says_not_attempted(chapter):
+    shown = chapter.locator(".jp-CodeCell [role=status]").all_text_contents()
+    asked = [f"– not attempted: {exercise.id}, " for exercise in registry.chapter("imu").exercises]
+    for line in asked:
+        assert any(text.startswith(line) for text in shown), line
+    assert not any(text.startswith(("✔", "✘", "!")) for text in shown)
+    assert chapter.locator("[data-mime-type='application/vnd.jupyter.error']").count() == 0
+    cell_with(chapter, 'check("imu.calibrate_gyro")')
+    photograph(chapter, "2-not-attempted")
+
+
+def test_every_figure_tells_its_content_to_a_screen_reader(chapter):
+    figures = chapter.locator(FIGURE)
+    assert figures.count() >= 8
+    for text in figures.evaluate_all("all => all.map(one => one.alt)"):
+        assert len(text) >= 20 and any(sign.isdigit() or sign == ";" for sign in text), text
+
+
+def test_moving_a_slider_draws_the_same_figure_anew(chapter):
+    cell = cell_with(chapter, "explore(")
+    figure, number = cell.locator(FIGURE), cell.locator(".widget-readout").first
+    before, start = figure.get_attribute("src"), float(number.text_content())
+    handle = cell.locator(".noUi-handle").first
+    handle.scroll_into_view_if_needed()
+    grip, bar = handle.bounding_box(), cell.locator(".noUi-base").first.bounding_box()
+    chapter.mouse.move(grip["x"] + grip["width"] / 2, grip["y"] + grip["height"] / 2)
+    chapter.mouse.down()
+    chapter.mouse.move(bar["x"] + 0.75 * bar["width"], grip["y"], steps=12)
+    chapter.mouse.up()
+    readout = cell.get_by_text("Now: ")
+    readout.wait_for()
+    photograph(chapter, "3-slider-moved")
+    assert float(number.text_content()) > start
+    assert figure.count() == 1 and figure.get_attribute("src") != before
+    assert readout.text_content().removeprefix("Now: ") == figure.get_attribute("alt")
+
+
+def test_an_exercise_is_solved_by_typing(chapter, workspace):
+    cell = cell_with(chapter, "def gravity_direction(quaternion)")
+    cell.get_by_text('raise NotImplementedError("not solved yet")').click()
+    for key in ("End", "Shift+ArrowUp", "Shift+Home"):  # the two lines of the stub
+        chapter.keyboard.press(key)
+    for number, line in enumerate(BY_HAND):
+        if number:
+            chapter.keyboard.press("Enter")  # the editor indents the new line
+        chapter.keyboard.type(line)
+    photograph(chapter, "4-typed")
+    chapter.keyboard.press("Shift+Enter")
+    chapter.keyboard.press("Shift+Enter")
+    check = cell_with(chapter, 'check("imu.gravity_direction")')
+    check.get_by_text("✔ passed: imu.gravity_direction, 1 of 1 points").wait_for()
+    photograph(chapter, "5-passed")
+    assert "my_robot/imu.py" in verdict(check)
+    assert BY_HAND[1] in (workspace / "my_robot" / "imu.py").read_text(encoding="utf-8")
+
+
+def test_nothing_is_fetched_from_the_internet(chapter, hosts):
+    assert hosts - {None} == {HOST}
