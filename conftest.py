@@ -17,6 +17,7 @@ collect_ignore_glob = ["notebooks/*.kept-*.ipynb"]  # set aside by `robocon rese
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    config.option.nbval_sanitize_with = str(config.rootpath / "tests" / "nbval.cfg")
     folder = TemporaryDirectory(prefix="lessons-", ignore_cleanup_errors=True)
     config.stash[WORKSPACES] = Path(folder.name)
     config.add_cleanup(folder.cleanup)

@@ -247,19 +247,27 @@ def _mark(cell: NotebookNode, taken: set[str], path: Path) -> None:
         role, exercise_id = next(iter(roles.items()))
         cell.metadata["robocon"] = nbformat.from_dict(roles)
         cell.metadata["nbgrader"] = nbformat.from_dict(_nbgrader(role, exercise_id))
-        tags = list(cell.metadata.get("tags", []))
-        # An answer with a syntax error must not stop Run All; a verdict is what nbval compares.
-        tags.append("raises-exception" if role == "exercise" else "nbval-check-output")
-        cell.metadata["tags"] = tags
         name = f"{role}-{exercise_id}".replace(".", "-")
     else:
         name = hashlib.sha256(f"{cell.cell_type}{cell.source}".encode()).hexdigest()[:8]
+    tags = [*cell.metadata.get("tags", []), *_tags(cell, roles)]
+    if tags:
+        cell.metadata["tags"] = tags
     while name in taken:
         name += "x"
     taken.add(name)
     cell["id"] = name[:64]
     if cell.cell_type == "code":
         cell.outputs, cell.execution_count = [], None
+
+
+def _tags(cell: NotebookNode, roles: dict[str, str]) -> list[str]:
+    """What nbval and Run All should know of a cell."""
+    if "exercise" in roles:
+        return ["raises-exception"]  # a syntax error in an answer must not stop Run All
+    figure = cell.cell_type == "code" and re.search(r"^show\(", cell.source, re.MULTILINE)
+    # Verdicts and the text twins of figures are what a run is compared by.
+    return ["nbval-check-output"] if roles or figure else []
 
 
 def _nbgrader(role: str, exercise_id: str) -> dict[str, Any]:
