@@ -198,6 +198,8 @@ def grade(
         paths = find_submissions(folder)
         if not paths:
             raise CourseError(f"{folder} holds no notebook and no folder")
+        if not csv.absolute().parent.is_dir():  # found out now, not after an hour of grading
+            raise CourseError(f"there is no folder {csv.absolute().parent} to write the table to")
         with _progress("grading", len(paths)) as done:
             rows = grade_all(
                 paths, time_limit=time_limit, jobs=jobs, on_row=lambda row: done(row.name)
