@@ -18,6 +18,7 @@ def difference(got: Any, expected: Any, atol: float, unit: str = "") -> str | No
         Field by field and entry by entry; lists count as arrays where an array is expected.
     atol : float
         Largest difference that still counts as equal, in ``unit``.
+    unit : str
     """
     if got is None:
         return "the function returned nothing (None); is a return missing?"
