@@ -19,10 +19,11 @@ RECORD = '{"student": 7, "log": true}'
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory) -> Path:
-    """A copy of one lesson as it is, two that lie, and what an earlier run left beside them."""
+    """A copy of one lesson as it is, three that lie, and what an earlier run left beside them."""
     folder = tmp_path_factory.mktemp("copy")
-    for name in ("conftest.py", "pyproject.toml"):
-        shutil.copy(ROOT / name, folder)
+    (folder / "tests").mkdir()
+    for name in ("conftest.py", "pyproject.toml", "tests/nbval.cfg"):
+        shutil.copy(ROOT / name, folder / name)
     solutions = folder / "solutions"
     old = solutions / "my_robot" / "versions" / "start.wrap_angle" / "001.py"
     old.parent.mkdir(parents=True)
@@ -32,6 +33,7 @@ def copy(tmp_path_factory) -> Path:
     for name, old_text, new_text in (
         ("as_it_is", "", ""),
         ("verdict_changed", VERDICT, VERDICT.replace("1 of", "2 of")),
+        ("figure_changed", "12 m square", "13 m square"),
         ("answer_changed", "% (2 * math.pi) - math.pi", "% (2 * math.pi)"),
     ):
         assert old_text in text
@@ -57,8 +59,8 @@ def test_a_lesson_passes_whatever_an_earlier_run_left_beside_it(failures):
     assert "as_it_is" not in failures
 
 
-@pytest.mark.parametrize("lie", ["verdict_changed", "answer_changed"])
-def test_a_stored_verdict_that_is_not_what_the_cells_do_fails(failures, lie):
+@pytest.mark.parametrize("lie", ["verdict_changed", "figure_changed", "answer_changed"])
+def test_a_stored_output_that_is_not_what_the_cells_do_fails(failures, lie):
     assert lie in failures
 
 
