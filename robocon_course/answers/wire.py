@@ -46,11 +46,8 @@ def loads(line: bytes) -> Any:
 
 
 def _pack(value: Any) -> Any:
-    if value is None or isinstance(value, bool | str):
+    if value is None or isinstance(value, bool | int | float | str):
         return value
-    if isinstance(value, int | float):
-        # A subclass could carry behaviour of its own; its plain value is what counts.
-        return int(value) if isinstance(value, int) else float(value)
     if isinstance(value, np.generic):
         return _pack(value.item())
     if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
