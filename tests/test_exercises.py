@@ -11,7 +11,7 @@ from dataclasses import replace
 import nbformat
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from nbclient import NotebookClient
@@ -65,11 +65,13 @@ RESULTS = st.recursive(
 )
 
 
+@settings(deadline=None)
 @given(RESULTS)
 def test_a_result_does_not_differ_from_itself(value):
     assert difference(value, value, 0.0) is None
 
 
+@settings(deadline=None)
 @given(ARRAYS, st.data())
 def test_one_entry_beyond_the_tolerance_is_found_and_its_place_named(array, data):
     place = data.draw(st.sampled_from(list(np.ndindex(array.shape))))
