@@ -94,15 +94,14 @@ def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
 
 def from_namespace(namespace: dict[str, Any]) -> Lookup:
     """Look names up in a live notebook."""
-    written = from_cells(namespace.get("In", []))
 
     def lookup(name: str) -> str | None:
         if name not in namespace:
             return None
         value = namespace[name]
         # Arrays have no literal, and a class without methods no code: their cells have the text.
-        definition = name.isupper() or isinstance(value, type)
-        return _statement(name, value) or (written(name) if definition else None)
+        written = namespace.get("In", []) if name.isupper() or isinstance(value, type) else []
+        return _statement(name, value) or from_cells(written)(name)
 
     return lookup
 
