@@ -5,19 +5,20 @@ A new chapter is held by these tests as soon as the registry knows it.
 
 from __future__ import annotations
 
-import json
+import hashlib
 from functools import cache
 
 import numpy as np
 import pytest
 
 from conftest import ROOT
+from robocon_course import lessons
 from robocon_course.answers.process import AnswerProcess
 from robocon_course.exercises import registry
 from robocon_course.exercises.judge import ask_function, judge, judge_answer, judge_number
 from robocon_course.exercises.model import Exercise, Number, Outcome
 from robocon_course.exercises.source import assemble, from_cells
-from robocon_course.worlds import generator
+from robocon_course.worlds import generator, imu_world
 
 STUDENTS = (0, 7, 21306141022)
 ALL = list(registry.exercises().values())
@@ -131,15 +132,21 @@ def test_doing_nothing_earns_nothing(exercise):
     assert lazy.points < exercise.points
 
 
+def test_a_students_world_is_the_same_to_the_bit_on_every_machine():
+    world = imu_world(21306141022)
+    logs = (world.still, world.rests, world.turns, world.gyro, world.accel)
+    digest = hashlib.sha256(b"".join(log.astype("<f8").tobytes() for log in logs)).hexdigest()
+    assert digest[:16] == "8265d95a2c1be937"
+
+
 # --- the lesson's own solution: the naive twin ------------------------------------------------
 
 
 @cache
 def cells(chapter: str) -> tuple[str, ...]:
-    """Code cells of a solved lesson."""
-    path = ROOT / "solutions" / f"{registry.chapter(chapter).name}.ipynb"
-    found = json.loads(path.read_text(encoding="utf-8"))["cells"]
-    return tuple("".join(c["source"]) for c in found if c["cell_type"] == "code")
+    """Code cells of a lesson's source."""
+    path = ROOT / "solutions" / f"{registry.chapter(chapter).name}.py"
+    return tuple(c.source for c in lessons.read_source(path).cells if c.cell_type == "code")
 
 
 @pytest.mark.parametrize("student", STUDENTS[1:])

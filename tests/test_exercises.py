@@ -366,6 +366,14 @@ def test_a_challenge_answered_with_what_its_measure_refuses_is_wrong():
     assert verdict.outcome is Outcome.WRONG and "no such thing" in verdict.message
 
 
+def test_a_challenge_whose_measure_is_no_number_in_one_case_earns_nothing():
+    def error(case, value):
+        return math.nan if case.what == "far" else 0.0
+
+    challenge = replace(CHALLENGE, score=replace(CHALLENGE.score, error=error))
+    assert judge.judge(challenge, judge.ask_function(double)).points == 0.0
+
+
 NUMBER = Number(
     id="toy.length",
     title="A length",
