@@ -190,7 +190,8 @@ def test_an_untouched_chapter_runs_through_and_says_not_attempted(chapter):
         assert any(text.startswith(line) for text in shown), line
     assert not any(text.startswith(("✔", "✘", "!")) for text in shown)
     assert chapter.locator("[data-mime-type='application/vnd.jupyter.error']").count() == 0
-    cell_with(chapter, 'check("imu.calibrate_gyro")')
+    check = cell_with(chapter, 'check("imu.calibrate_gyro")')
+    check.locator("[role=status]").scroll_into_view_if_needed()
     photograph(chapter, "2-not-attempted")
 
 
