@@ -202,7 +202,7 @@ def _statement(name: str, value: Any) -> str | None:
     home = getattr(value, "__module__", None)
     own_name = getattr(value, "__qualname__", "")
     if home == "__main__" and own_name and callable(value):
-        return _live_source(name, inspect.unwrap(value))
+        return _live_source(name, value)
     if home and own_name.isidentifier() and callable(value):
         return f"from {home} import {own_name} as {name}"
     literal = _literal(value) if name.isupper() else None
