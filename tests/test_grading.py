@@ -64,6 +64,7 @@ FULL = {
     "a cell that raises": ["1 / 0", RIGHT],
     "a cell that leaves": ["import sys\nsys.exit(1)", RIGHT],
     "a cell that never ends": ["while True: pass", RIGHT],
+    "a cell that awaits": ["import asyncio\nawait asyncio.sleep(0)\n" + RIGHT],
     "a cell with ten thousand signs": ["x = " + "-" * 50_000 + "1", RIGHT],
     "a cell with ten thousand brackets": ["x = " + "(" * 10_000 + ")" * 10_000, RIGHT],
     "a cell with ten thousand terms": ["x = " + "+".join("1" * 20_000), RIGHT],
@@ -72,7 +73,7 @@ FULL = {
     "half a letter": ["x = '\ud800'", RIGHT],
     "magics": ["%matplotlib inline\n!rm -rf /nothing\n" + RIGHT, "%%bash\nexit 1"],
     "it prints without end": [RIGHT.replace("    return", "    print('x' * 10**6)\n    return")],
-    "compiled": ["from numba import njit", "@njit\n" + RIGHT],
+    "with a decorator": ["from functools import cache", "@cache\n" + RIGHT],
     "a helper and a constant": [
         "TURN = 2 * math.pi\ndef shift(angle):\n    return angle + TURN / 2",
         "def wrap_angle(angle):\n    return shift(angle) % TURN - TURN / 2",
@@ -312,12 +313,13 @@ def test_a_link_a_missing_file_and_an_empty_folder_get_rows_with_the_reason(fold
     (folder / "away.ipynb").symlink_to(folder / "nowhere.ipynb")
     (folder / "inside").mkdir()
     (folder / "inside" / "link.ipynb").symlink_to(folder / "real.ipynb")
+    (folder / "away").symlink_to(folder.parent)
     (folder / "folder.ipynb").mkdir()
     (folder / "bare").mkdir()
     reasons = {path.name: grade_one(path).reason for path in find_submissions(folder)}
     assert reasons.pop("real.ipynb") == ""
     assert "a link" in reasons["link.ipynb"] and "a link" in reasons["away.ipynb"]
-    assert "link.ipynb is a link" in reasons["inside"]
+    assert "link.ipynb is a link" in reasons["inside"] and "a link" in reasons["away"]
     assert "no notebook" in reasons["bare"] and "no notebook" in reasons["folder.ipynb"]
     assert grade_one(folder / "gone.ipynb").reason
     monkeypatch.setattr(submissions, "SIZE_LIMIT", 10)
@@ -336,8 +338,8 @@ def test_a_folder_counts_as_one_submission_and_its_leftovers_do_not_count(folder
         (ann / kept).mkdir(parents=True)
     wrong = "def wrap_angle(angle):\n    return angle"
     write(ann / "00_start.ipynb", HEAD, RIGHT, CHECK)
-    write(ann / "00_start.kept-1.ipynb", HEAD, wrong)
-    write(ann / ".ipynb_checkpoints" / "00_start-checkpoint.ipynb", HEAD, wrong)
+    write(ann / "00_start.kept-1.ipynb", HEAD, wrong, CHECK)
+    write(ann / ".ipynb_checkpoints" / "99_start-checkpoint.ipynb", HEAD, wrong, CHECK)
     assert find_submissions(folder) == [ann]
     row = grade_one(ann)
     assert (row.points, row.out_of) == (1, 1)
