@@ -264,7 +264,9 @@ def test_the_student_number_is_found_in_the_name_in_begin_or_in_the_record(folde
     assert student_of(folder / "dee") == 8
 
 
-@pytest.mark.parametrize("record", ["", "[]", "{}", '{"student": "me"}', '{"student": null}', "ÿ"])
+@pytest.mark.parametrize(
+    "record", ["", "[]", "{}", '{"student": "not me"}', '{"student": null}', "ÿ"]
+)
 def test_a_damaged_record_means_the_example_student(folder, record):
     (folder / "my_robot").mkdir()
     (folder / "my_robot" / "record.json").write_text(record, encoding="latin-1")
@@ -313,13 +315,15 @@ def test_a_link_a_missing_file_and_an_empty_folder_get_rows_with_the_reason(fold
     (folder / "away.ipynb").symlink_to(folder / "nowhere.ipynb")
     (folder / "inside").mkdir()
     (folder / "inside" / "link.ipynb").symlink_to(folder / "real.ipynb")
-    (folder / "away").symlink_to(folder.parent)
+    (folder.parent / "other").mkdir()
+    write(folder.parent / "other" / "one.ipynb", RIGHT)
+    (folder / "elsewhere").symlink_to(folder.parent / "other")
     (folder / "folder.ipynb").mkdir()
     (folder / "bare").mkdir()
     reasons = {path.name: grade_one(path).reason for path in find_submissions(folder)}
     assert reasons.pop("real.ipynb") == ""
     assert "a link" in reasons["link.ipynb"] and "a link" in reasons["away.ipynb"]
-    assert "link.ipynb is a link" in reasons["inside"] and "a link" in reasons["away"]
+    assert "link.ipynb is a link" in reasons["inside"] and "a link" in reasons["elsewhere"]
     assert "no notebook" in reasons["bare"] and "no notebook" in reasons["folder.ipynb"]
     assert grade_one(folder / "gone.ipynb").reason
     monkeypatch.setattr(submissions, "SIZE_LIMIT", 10)
