@@ -89,7 +89,7 @@ def lab(
         workspace = desk.prepare(folder)
         command = [sys.executable, "-m", "jupyter", "lab", f"--ServerApp.root_dir={workspace}"]
         first = "/lab/tree/00_start.ipynb" if (workspace / "00_start.ipynb").is_file() else "/lab"
-        command += [f"--ServerApp.default_url={first}"]
+        command += [f"--LabApp.default_url={first}"]
         # No question about news, no look for updates: a lesson must not depend on a network.
         command += [
             f"--LabApp.app_settings_dir={files.PACKAGE / 'jupyter'}",

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,18 +19,37 @@ from robocon_course.imu import attitude_from_accel
 from robocon_course.simulator import sensors
 from robocon_course.simulator.sensors import ImuErrors, imu_measurements
 
+Student = int | str  # a student number; some schools have letters in theirs
 
-def generator(student: int, *purpose: str) -> np.random.Generator:
+
+def student_number(given: object) -> Student:
+    """A student number as it was given, checked.
+
+    Raises
+    ------
+    ValueError
+        Neither a whole number nor a short word of letters and digits.
+    """
+    if isinstance(given, int) and not isinstance(given, bool) and given >= 0:
+        return given
+    if isinstance(given, str) and re.fullmatch(r"\w{1,40}", given):
+        return int(given) if given == "0" or re.fullmatch(r"[1-9][0-9]*", given) else given
+    raise ValueError(
+        f'student: expected a number such as 21306141022 or "H1D021001", got {given!r}'
+    )
+
+
+def generator(student: Student, *purpose: str) -> np.random.Generator:
     """Random numbers for one student and one purpose.
 
     Parameters
     ----------
-    student : int
+    student : int or str
         Student number; 0 is the course's example student.
     *purpose : str
         What the numbers are for; other words give independent numbers.
     """
-    key = "/".join([str(int(student)), *purpose]).encode()
+    key = "/".join([str(student), *purpose]).encode()
     return np.random.Generator(np.random.PCG64(int.from_bytes(hashlib.sha256(key).digest()[:16])))
 
 
@@ -68,7 +88,7 @@ class ImuWorld:
     dt: float = DT
 
 
-def own_imu(student: int, *purpose: str) -> ImuErrors:
+def own_imu(student: Student, *purpose: str) -> ImuErrors:
     """The errors of one student's IMU: larger than a good sensor's, so that they can be found."""
     rng = generator(student, "imu errors", *purpose)
     size = rng.uniform(0.15, 0.5, 3)  # deg/s
@@ -83,7 +103,7 @@ def own_imu(student: int, *purpose: str) -> ImuErrors:
 
 
 @functools.lru_cache(maxsize=4)
-def imu_world(student: int) -> ImuWorld:
+def imu_world(student: Student) -> ImuWorld:
     """Logs of one student's IMU: the same to the bit on every machine."""
     rng, errors = generator(student, "imu logs"), own_imu(student)
     still, _ = imu_measurements(*sensors.still(20.0, DT), DT, errors, rng)
@@ -133,7 +153,7 @@ PERFECT = ImuErrors(
 )
 
 
-def imu_rungs(student: int, duration: float = 30.0) -> dict[str, Rung]:
+def imu_rungs(student: Student, duration: float = 30.0) -> dict[str, Rung]:
     """The same kind of drive three times: an ideal IMU, the student's own, and a rough link."""
     own = own_imu(student)
     rungs = {}

@@ -164,3 +164,49 @@ def test_a_graded_run_uses_other_numbers_and_the_solution_passes_there_too(exerc
     with AnswerProcess() as process:
         verdict = judge_answer(process, exercise, answer, 7, salt="a class key")
     assert verdict.outcome is Outcome.PASSED and verdict.points == exercise.points
+
+
+IN_PLACE = {
+    "imu.euler_angles": "def euler_angles(q):\n    q[1:] *= 1.0\n    q[0] += 0.5\n    return q[:3]\n",
+    "imu.fit_ellipsoid": (
+        "from robocon_course import imu\ndef fit_ellipsoid(samples, gravity=9.80665):\n"
+        "    samples /= 2\n    return imu.AccelerometerCalibration([0, 0, 0], [1, 1, 1])\n"
+    ),
+}
+
+
+@pytest.mark.parametrize("exercise_id", IN_PLACE)
+def test_an_answer_that_changes_what_it_was_given_is_told_so(exercise_id):
+    exercise = registry.exercise(exercise_id)
+    with AnswerProcess() as process:
+        verdict = judge_answer(
+            process, exercise, Answer(exercise.function_name, IN_PLACE[exercise_id]), 0
+        )
+    assert verdict.points == 0.0
+    assert "it changes what it was given" in verdict.message
+
+
+def test_the_compiled_filter_is_no_answer_to_the_filter_exercise():
+    text = (
+        "import numpy as np\nfrom robocon_course import imu\n"
+        "def mahony_step(state, gyro, accel, dt, gains):\n"
+        "    memory = np.concatenate([state.quaternion, state.integral])\n"
+        "    imu.mahony_update(memory, gyro, accel, dt, *gains)\n"
+        "    return imu.MahonyState(memory[:4], memory[4:])\n"
+    )
+    exercise = registry.exercise("imu.mahony_step")
+    with AnswerProcess() as process:
+        verdict = judge_answer(process, exercise, Answer("mahony_step", text), 0)
+    assert verdict.points == 0.0 and "the course's own" in verdict.message
+
+
+@pytest.mark.parametrize("student", [*range(0, 60, 7), "H1D021001"])
+def test_the_lessons_own_way_to_a_number_is_right_for_every_student(student):
+    world = worlds.imu_world(student)
+    accel = imu.calibrate_accelerometer(world.rests).apply(world.accel)
+    raw = imu.estimate_attitude(world.gyro, accel, world.dt)
+    off = geometry.wrap_angle(raw.yaw[-1] - imu.euler_angles(world.truth[-1])[2])
+    bias = np.degrees(imu.calibrate_gyro(world.still).bias[2])
+    for number, value in ("imu.own_drift", np.degrees(off)), ("imu.own_bias", bias):
+        assert judge_number(registry.exercise(number), value, student).accepted
+    assert judge_number(registry.exercise("imu.own_drift"), bias * 180, student).accepted

@@ -150,7 +150,7 @@ def test_lab_elsewhere_makes_a_workspace_with_every_lesson(started, elsewhere):
     assert sorted(p.name for p in (elsewhere / "robocon").iterdir()) == LESSONS
     [command] = started
     assert f"--ServerApp.root_dir={elsewhere / 'robocon'}" in command
-    assert "--ServerApp.default_url=/lab/tree/00_start.ipynb" in command
+    assert "--LabApp.default_url=/lab/tree/00_start.ipynb" in command
     assert command[-1] == "--no-browser"
 
 

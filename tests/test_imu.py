@@ -292,9 +292,7 @@ def test_straight_up_the_angles_are_finite_and_their_difference_right():
 
 
 def test_inclination_error_sees_tilt_and_is_blind_to_yaw():
-    truth, turned, tilted = geometry.quaternion_from_euler(
-        [0.1, 0.1, 0.12], 0.0, [0.3, 2.0, -3.0]
-    )
+    truth, turned, tilted = geometry.quaternion_from_euler([0.1, 0.1, 0.12], 0.0, [0.3, 2.0, -3.0])
     assert imu.inclination_error(turned, truth) == pytest.approx(0.0, abs=1e-12)
     assert imu.inclination_error(tilted, truth) == pytest.approx(0.02)
     assert imu.inclination_error([0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]) == pytest.approx(pi)

@@ -49,7 +49,7 @@ class AnswerProcess:
         self.time_limit = time_limit
         self._folder = tempfile.TemporaryDirectory(prefix="answer-", ignore_cleanup_errors=True)
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "robocon_course.answers.worker"],
+            [sys.executable, "-m", "robocon_course.answers.worker", self._folder.name],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -73,7 +73,7 @@ class AnswerProcess:
         """Call function ``name`` of the answer."""
         return self._ask(do="call", name=name, args=args, kwargs=kwargs or {})
 
-    def run(self, cells: list[str], student: int, references: dict[str, str]) -> Reply:
+    def run(self, cells: list[str], student: int | str, references: dict[str, str]) -> Reply:
         """Run a notebook's cells; the value lists the numbers it passed to ``answer``."""
         return self._ask(do="run", cells=cells, student=student, references=references)
 

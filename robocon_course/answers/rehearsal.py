@@ -8,7 +8,7 @@ import types
 from typing import Any
 
 
-def run(cells: list[str], student: int, references: dict[str, str]) -> list[tuple[str, Any]]:
+def run(cells: list[str], student: int | str, references: dict[str, str]) -> list[tuple[str, Any]]:
     """Run cells in order, past any that raise, and return what ``answer`` was called with.
 
     Parameters

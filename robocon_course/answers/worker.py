@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import os
+import shutil
 import sys
 import traceback
 import types
@@ -23,6 +24,10 @@ MEMORY_LIMIT = 4 << 30  # bytes; numpy, numba and a drawing together stay below 
 
 class NotYourOwn(Exception):
     """The answer calls the course's own version of the function it should be."""
+
+
+class ChangedInput(Exception):
+    """The answer changed an argument in place; in the robot somebody else still needs it."""
 
 
 class Printed(io.TextIOBase):
@@ -76,10 +81,14 @@ class Worker:
         exec(compile(source, FILENAME, "exec"), self.names)
 
     def call(self, name: str, args: tuple, kwargs: dict) -> Any:
-        """Call one of the functions that were loaded."""
-        return self.names[name](*args, **kwargs)
+        """Call one of the functions that were loaded; what it was given must stay as it was."""
+        given = wire.dumps([args, kwargs])
+        value = self.names[name](*args, **kwargs)
+        if wire.dumps([args, kwargs]) != given:
+            raise ChangedInput(name)
+        return value
 
-    def run(self, cells: list[str], student: int, references: dict[str, str]) -> list:
+    def run(self, cells: list[str], student: int | str, references: dict[str, str]) -> list:
         """Run a notebook's cells and return what it passed to ``answer``."""
         from robocon_course.answers import rehearsal
 
@@ -87,7 +96,8 @@ class Worker:
 
     def reply(self, request: dict[str, Any]) -> dict[str, Any]:
         """Carry out one request; whatever the student's code raises becomes part of the reply."""
-        printed = sys.stdout = sys.stderr = Printed()
+        printed = sys.stdout = Printed()
+        sys.stderr = Printed()  # warnings of libraries are no news of the student's
         try:
             action = getattr(self, request.pop("do"))
             reply = {"value": action(**request)}
@@ -118,7 +128,11 @@ def private_pipes() -> tuple[BinaryIO, BinaryIO]:
 
 
 def main() -> None:
-    """Serve requests until the other side closes the pipe."""
+    """Serve requests until the other side closes the pipe.
+
+    The folder given as argument is this process's own; it goes with it, also when the other
+    side was killed and could not clear it away.
+    """
     limit_memory()
     requests, replies = private_pipes()
     worker = Worker()
@@ -131,6 +145,8 @@ def main() -> None:
         except (RecursionError, MemoryError, ValueError) as error:
             replies.write(wire.dumps(failure(error, "") | {"printed": ""}))
         replies.flush()
+    for folder in sys.argv[1:]:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 if __name__ == "__main__":

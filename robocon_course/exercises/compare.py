@@ -2,48 +2,56 @@
 
 from __future__ import annotations
 
+import dataclasses
+import sys
 from typing import Any
 
 import numpy as np
 
 from robocon_course.answers.wire import Foreign
 
+Tolerance = float | dict[str, float]
 
-def difference(got: Any, expected: Any, atol: float, unit: str = "") -> str | None:
+
+def difference(got: Any, expected: Any, atol: Tolerance, unit: str = "") -> str | None:
     """The first difference between two results as a sentence, None where they agree.
 
     Parameters
     ----------
     got, expected : numbers, arrays, or nested tuples, lists and dictionaries of them
         Field by field and entry by entry; lists count as arrays where an array is expected.
-    atol : float
-        Largest difference that still counts as equal, in ``unit``.
+    atol : float or dict of float
+        Largest difference that still counts as equal, in ``unit``; by field for a result object.
     unit : str
     """
     if got is None:
         return "the function returned nothing (None); is a return missing?"
+    fields = fields_of(expected)
+    if fields is not None:
+        return _fields(got, expected, fields, atol, unit)
     if isinstance(got, Foreign):
         return f"expected {_kind(expected)}, got an object of type {got.type_name}"
-    if isinstance(expected, dict):
-        return _parts(_by_name(got, expected), expected, atol, unit)
     if isinstance(expected, tuple | list) and not _numeric(expected):
         return _sequence(got, expected, atol, unit)
     return _numbers(got, expected, atol, unit)
 
 
-def fields_of(value: Any, names: tuple[str, ...]) -> Any:
-    """The named attributes of a result as a dictionary; the result itself without names."""
-    if not names or value is None or isinstance(value, Foreign):
-        return value
-    return {name: getattr(value, name, None) for name in names}
+def fields_of(value: Any) -> dict[str, Any] | None:
+    """Fields of one of the course's result objects by name, None for anything else."""
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return value._asdict()
+    if dataclasses.is_dataclass(value):
+        return {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+    return None
 
 
 def shown(value: Any) -> str:
     """A value as a student would write it: short, rounded."""
     if isinstance(value, Foreign):
         return f"{value.type_name} object"
-    if isinstance(value, dict):
-        return ", ".join(f"{key} = {shown(item)}" for key, item in value.items())
+    fields = fields_of(value)
+    if fields is not None:
+        return ", ".join(f"{key} = {shown(item)}" for key, item in fields.items())
     if isinstance(value, np.ndarray) and value.size > 12:
         return f"array of shape {value.shape}, first row {shown(value[0])}"
     if isinstance(value, np.ndarray | float | int) and not isinstance(value, bool):
@@ -53,19 +61,20 @@ def shown(value: Any) -> str:
     return repr(value)[:80]
 
 
-def _by_name(got: Any, expected: dict[str, Any]) -> dict[str, Any]:
-    if isinstance(got, dict):
-        return got
-    return {name: getattr(got, name, None) for name in expected}
-
-
-def _parts(got: dict[str, Any], expected: dict[str, Any], atol: float, unit: str) -> str | None:
-    for name, wanted in expected.items():
-        if got.get(name) is None:
-            return f"the result has no {name}"
-        found = difference(got[name], wanted, atol, unit)
+def _fields(
+    got: Any, expected: Any, fields: dict[str, Any], atol: Tolerance, unit: str
+) -> str | None:
+    """Compare result objects; a part must return the type that the rest of the robot reads."""
+    name = type(expected).__name__
+    if type(got).__name__ != name:
+        form = ", ".join(f"{field}=…" for field in fields)
+        return f"expected imu.{name}({form}), got {_kind(got)}"
+    for field, wanted in fields.items():
+        # A field without a tolerance is not judged, but it must have the right form.
+        limit = atol.get(field, sys.float_info.max) if isinstance(atol, dict) else atol
+        found = difference(getattr(got, field), wanted, limit, unit if field == "bias" else "")
         if found:
-            return f"{name}: {found}"
+            return f"{field}: {found}"
     return None
 
 
@@ -73,11 +82,10 @@ def _sequence(got: Any, expected: tuple | list, atol: float, unit: str) -> str |
     got = got.item() if isinstance(got, np.ndarray) and got.ndim == 0 else got
     if not isinstance(got, tuple | list | np.ndarray) or len(got) != len(expected):
         return f"expected {len(expected)} results, got {_kind(got)}"
-    names = getattr(expected, "_fields", range(len(expected)))
-    for name, one, wanted in zip(names, got, expected, strict=True):
+    for number, (one, wanted) in enumerate(zip(got, expected, strict=True)):
         found = difference(one, wanted, atol, unit)
         if found:
-            return f"{name}: {found}"
+            return f"{number}: {found}"
     return None
 
 
@@ -87,11 +95,14 @@ def _numbers(got: Any, expected: Any, atol: float, unit: str) -> str | None:
         return None if same else f"expected {expected!r}, got {shown(got)}"
     wanted = np.asarray(expected, dtype=float)
     try:
-        came = np.asarray(got, dtype=float)
-    except (TypeError, ValueError):
+        came = np.asarray(got)
+    except ValueError:  # lists of unequal length
         return f"expected {_kind(expected)}, got {_kind(got)}"
-    except OverflowError:
-        return f"expected {_kind(expected)}, got one too large for a float"
+    if came.dtype.kind not in "biuf":
+        large = isinstance(got, int) or came.dtype.kind == "O" and _numeric(came.ravel().tolist())
+        what = "one too large for a float" if large else _kind(got)
+        return f"expected {_kind(expected)}, got {what}"
+    came = came.astype(float)
     if came.shape != wanted.shape:
         return f"expected {_kind(wanted)}, got {_kind(came)}"
     off = ~np.isclose(came, wanted, rtol=0.0, atol=atol, equal_nan=True)
@@ -100,7 +111,14 @@ def _numbers(got: Any, expected: Any, atol: float, unit: str) -> str | None:
     where = tuple(int(i) for i in np.argwhere(off)[0])
     place = f" at entry {list(where)}" if where else ""
     unit = f" {unit}" if unit else ""
-    return f"expected {wanted[where]:.4g}{unit}, got {came[where]:.4g}{unit}{place}"
+    want, came_text = _apart(float(wanted[where]), float(came[where]))
+    return f"expected {want}{unit}, got {came_text}{unit}{place}"
+
+
+def _apart(one: float, other: float) -> tuple[str, str]:
+    """Two numbers with as many digits as it takes to tell them apart."""
+    texts = ((f"{one:.{d}g}", f"{other:.{d}g}") for d in range(4, 18))
+    return next((pair for pair in texts if pair[0] != pair[1]), (repr(one), repr(other)))
 
 
 def _numeric(value: Any) -> bool:
@@ -117,5 +135,5 @@ def _kind(value: Any) -> str:
     if isinstance(value, int | float):
         return "a number"
     if isinstance(value, tuple | list):
-        return f"{len(value)} values"
+        return f"a {type(value).__name__} of {len(value)}"
     return f"an object of type {type(value).__name__}"

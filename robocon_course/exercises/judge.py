@@ -20,14 +20,16 @@ from robocon_course.exercises.model import (
     Verdict,
 )
 from robocon_course.exercises.source import Answer
-from robocon_course.worlds import generator
+from robocon_course.worlds import Student, generator
 
 Ask = Callable[[tuple], Reply]
 
+ALIKE = 1e-9  # two computations of one wrong formula
+SPECIAL = ("NotImplementedError", "NotYourOwn", "ChangedInput")
 STOPPED = ("TimeLimit", "ProcessEnded", "TooLarge", "NotPlainData")
 
 
-def judge(exercise: Exercise, ask: Ask, student: int = 0, salt: str = "public") -> Verdict:
+def judge(exercise: Exercise, ask: Ask, student: Student = 0, salt: str = "public") -> Verdict:
     """Try an answer on every case of an exercise.
 
     Parameters
@@ -64,7 +66,7 @@ def judge_answer(
     process: AnswerProcess,
     exercise: Exercise,
     answer: Answer,
-    student: int,
+    student: Student,
     *,
     time_limit: float = math.inf,
     salt: str = "public",
@@ -74,7 +76,8 @@ def judge_answer(
         names = ", ".join(answer.missing)
         text = (
             f"{answer.name} uses {names}, which it is not given. In the robot there is no "
-            "notebook: pass it as an argument, import it, or work it out inside the function."
+            "notebook: work it out inside the function, or write a constant in CAPITALS. "
+            "If it is a module such as np, run the notebook's first cell again."
         )
         return no_answer(exercise, text)
     process.allow(min(exercise.time_limit, time_limit))
@@ -89,7 +92,7 @@ def no_answer(exercise: Exercise | Number, message: str) -> Verdict:
     return Verdict(exercise.id, Outcome.ERROR, 0.0, exercise.points, message)
 
 
-def judge_number(number: Number, value: Any, student: int = 0) -> Verdict:
+def judge_number(number: Number, value: Any, student: Student = 0) -> Verdict:
     """Judge a number that a student found in their own world."""
 
     def verdict(outcome: Outcome, message: str, mistake: str = "") -> Verdict:
@@ -98,6 +101,9 @@ def judge_number(number: Number, value: Any, student: int = 0) -> Verdict:
 
     if value is None or value is ...:
         return verdict(Outcome.NOT_ATTEMPTED, "Put your number in place of the three dots.")
+    if isinstance(value, tuple | list):
+        text = "Expected one number; write the decimals with a point, not with a comma: 0.3."
+        return verdict(Outcome.ERROR, text)
     try:
         value = float(value)
     except (TypeError, ValueError, OverflowError):
@@ -105,14 +111,16 @@ def judge_number(number: Number, value: Any, student: int = 0) -> Verdict:
         return verdict(Outcome.ERROR, f"Expected one number in {number.unit}, got a {kind}.")
     if not math.isfinite(value):
         return verdict(Outcome.ERROR, f"Expected a number in {number.unit}, got {value}.")
+    whose = f"the sensor of student number {student}"
     if abs(value - number.truth(student)) <= number.tolerance:
-        return verdict(Outcome.PASSED, f"{value:.4g} {number.unit} is right for your sensor.")
+        return verdict(Outcome.PASSED, f"{value:.4g} {number.unit} is right for {whose}.")
     for mistake in number.mistakes:
         # Two per cent: a small wrong number must not pass for another small wrong number.
         if math.isclose(value, mistake.function(student), rel_tol=0.02):
             return verdict(Outcome.WRONG, mistake.message, mistake.name)
     text = (
-        f"{value:.4g} {number.unit} is not within {number.tolerance:g} {number.unit} of the truth."
+        f"{value:.4g} {number.unit} is not within {number.tolerance:g} {number.unit} of the truth "
+        f"for {whose}."
     )
     return verdict(Outcome.WRONG, text)
 
@@ -131,14 +139,14 @@ def ask_function(function: Callable[..., Any]) -> Ask:
 
 def _problem(exercise: Exercise, case: Case, reply: Reply) -> str | None:
     """What is wrong with the reply to one case, None if nothing."""
-    if reply.error in STOPPED or reply.error in ("NotImplementedError", "NotYourOwn"):
+    if reply.error in STOPPED or reply.error in SPECIAL:
         return reply.message or reply.error
     if case.judge:
         return case.judge(reply)
     if reply.error:
         return f"{reply.error}: {reply.message}"
-    expected = fields_of(exercise.reference(*copy.deepcopy(case.args)), exercise.fields)
-    return difference(fields_of(reply.value, exercise.fields), expected, case.atol, case.unit)
+    expected = exercise.reference(*copy.deepcopy(case.args))
+    return difference(reply.value, expected, case.atol, case.unit)
 
 
 def _ask_the_rest(cases: Sequence[Case], ask: Ask, last: Reply) -> list[Reply]:
@@ -161,10 +169,10 @@ def _failed(
     finding = Finding(
         case,
         sentence,
-        fields_of(reply.value, exercise.fields),
-        fields_of(expected, exercise.fields),
+        _judged(case, reply.value),
+        _judged(case, expected),
     )
-    text = f"In the case “{case.what}”: {sentence}."
+    text = f"In the case “{case.what}”: {sentence}" + ("" if sentence.endswith("?") else ".")
     outcome = Outcome.WRONG
     if mistake:
         text += f" {mistake.message}"
@@ -188,6 +196,11 @@ def _special(case: Case, reply: Reply) -> tuple[Outcome, str] | None:
         return Outcome.NOT_ATTEMPTED, "Write the function in the cell above, run it, check again."
     if reply.error == "NotYourOwn":
         return Outcome.WRONG, f"This calls the course's own {reply.message}; write your own."
+    if reply.error == "ChangedInput":
+        return Outcome.WRONG, (
+            f"In the case “{case.what}”: it changes what it was given (x[0] = … or x += …). "
+            "Somebody else still needs that array: work on a copy, or write x = x + …."
+        )
     if reply.error == "TimeLimit":
         return Outcome.ERROR, (
             f"In the case “{case.what}”: {reply.message}. "
@@ -217,8 +230,15 @@ def _recognise(
 def _alike(exercise: Exercise, case: Case, reply: Reply, other: Reply) -> bool:
     if reply.error or other.error:
         return reply.error == other.error
-    got, expected = (fields_of(r.value, exercise.fields) for r in (reply, other))
-    return difference(got, expected, max(case.atol, 1e-9)) is None
+    return difference(reply.value, other.value, case.atol or ALIKE) is None
+
+
+def _judged(case: Case, value: Any) -> Any:
+    """What of a result is worth drawing: the fields that are judged, or the whole."""
+    fields = fields_of(value)
+    if fields is None or not isinstance(case.atol, dict):
+        return value if fields is None else fields
+    return {name: fields[name] for name in case.atol if name in fields}
 
 
 def _judge_score(exercise: Exercise, cases: Sequence[Case], ask: Ask) -> Verdict:

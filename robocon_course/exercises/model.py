@@ -11,6 +11,7 @@ import numpy as np
 
 from robocon_course._arrays import CourseError
 from robocon_course.answers.process import Reply
+from robocon_course.worlds import Student
 
 
 class Outcome(Enum):
@@ -33,8 +34,9 @@ class Case:
     args : tuple
         What the function is called with.
     unit : str
-    atol : float
-        Largest difference from the reference that still counts as equal, in ``unit``.
+    atol : float or dict of float
+        Largest difference from the reference that still counts as equal, in ``unit``. By field
+        for a result object; fields that it does not name must only have the right form.
     judge : callable, optional
         ``judge(reply) -> sentence or None``; takes the place of the comparison with the
         reference where a property, or a refusal, is what matters.
@@ -45,7 +47,7 @@ class Case:
     what: str
     args: tuple
     unit: str = ""
-    atol: float = 1e-9
+    atol: float | dict[str, float] = 1e-9
     judge: Callable[[Reply], str | None] | None = None
     truth: Any = None
 
@@ -69,8 +71,8 @@ class Exercise:
         ``"chapter.function"``; the reference bears the same name in the same module.
     cases : callable
         ``cases(student, rng) -> sequence of Case``: fresh numbers for every student and purpose.
-    fields : tuple of str
-        Which attributes of a result object are compared; empty for the result itself.
+    shortcuts : tuple of str
+        More course functions, by dotted name, that an answer must not call.
     score : Score, optional
         For a challenge: how good is good enough, instead of equality.
     """
@@ -79,11 +81,11 @@ class Exercise:
     title: str
     points: float
     reference: Callable[..., Any]
-    cases: Callable[[int, np.random.Generator], Sequence[Case]]
+    cases: Callable[[Student, np.random.Generator], Sequence[Case]]
     mistakes: tuple[Mistake, ...]
     hints: tuple[str, ...]
     time_limit: float = 5.0
-    fields: tuple[str, ...] = ()
+    shortcuts: tuple[str, ...] = ()
     score: Score | None = None
 
     @property
@@ -98,8 +100,8 @@ class Exercise:
 
     @property
     def blocked(self) -> tuple[str, ...]:
-        """What an answer must not call: the course's own answer to this exercise."""
-        return (f"{self.reference.__module__}.{self.reference.__name__}",)
+        """What an answer must not call: the course's own answer first, then its shortcuts."""
+        return (f"{self.reference.__module__}.{self.reference.__name__}", *self.shortcuts)
 
 
 @dataclass(frozen=True)
@@ -141,7 +143,7 @@ class Number:
     id: str
     title: str
     points: float
-    truth: Callable[[int], float]
+    truth: Callable[[Student], float]
     tolerance: float
     unit: str
     mistakes: tuple[Mistake, ...]

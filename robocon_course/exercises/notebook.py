@@ -16,34 +16,37 @@ from robocon_course.exercises.source import (
     assemble,
     broken_definition,
     from_namespace,
+    not_run,
 )
 from robocon_course.exercises.workspace import Workspace
+from robocon_course.worlds import student_number
 
 _spare: list[AnswerProcess] = []  # started ahead of need, so that nobody waits for imports
 _last: dict[str, Callable[..., Any]] = {}  # the student's functions, by exercise
 
 
-def begin(chapter: str, student: int | None = None, *, log: bool | None = None) -> int:
+def begin(chapter: str, student: int | str | None = None, *, log: bool | None = None) -> int | str:
     """Start a chapter: which student, which points, and what is kept where.
 
     Parameters
     ----------
     chapter : str
         ``"imu"``.
-    student : int, optional
-        Your student number. It is remembered for the chapters to come.
+    student : int or str, optional
+        Your student number, in quotes if it holds letters or begins with 0. It is remembered
+        for the chapters to come.
     log : bool, optional
         Keep a log of attempts (exercise, outcome, attempt, time) in ``my_robot/``; off unless
         you turn it on, and it never leaves your computer by itself.
 
     Returns
     -------
-    int
+    int or str
         The student number in use; 0 is the course's example student.
     """
     workspace, about = Workspace(), registry.chapter(chapter)
     if student is not None:
-        workspace.remember(student=_student_number(student))
+        workspace.remember(student=student_number(student))
     if log is not None:
         workspace.remember(log=bool(log))
     keeps = "kept in my_robot/attempts.jsonl" if workspace.record.get("log") else "off"
@@ -82,7 +85,7 @@ def check(exercise_id: str, *, practice: bool = False) -> Callable[..., Any]:
     return _last[exercise_id] if verdict.accepted else exercise.reference
 
 
-def answer(exercise_id: str, value: Any) -> None:
+def answer(exercise_id: str, value: Any, *decimals: Any) -> None:
     """Hand in a number from your own sensor world.
 
     Parameters
@@ -90,11 +93,14 @@ def answer(exercise_id: str, value: Any) -> None:
     exercise_id : str
     value : float
         In the unit that the exercise names; ``...`` means not attempted.
+    *decimals
+        What follows where a decimal comma was typed; the verdict then says so.
     """
     number = registry.exercise(exercise_id)
     if isinstance(number, Exercise):
         raise ValueError(f'{exercise_id} is a function: judge it with check("{exercise_id}")')
     workspace = Workspace()
+    value = (value, *decimals) if decimals else value
     _report(workspace, judge_number(number, value, workspace.student), "")
 
 
@@ -133,12 +139,6 @@ def status_lines(workspace: Workspace) -> list[str]:
     return lines
 
 
-def _student_number(student: Any) -> int:
-    if isinstance(student, bool) or not isinstance(student, int) or student < 0:
-        raise ValueError(f"student: expected a number such as 21306141022, got {student!r}")
-    return student
-
-
 def _start_spare() -> AnswerProcess:
     if not _spare:
         _spare.append(AnswerProcess())
@@ -171,6 +171,11 @@ def _find(exercise: Exercise) -> tuple[Answer | None, Verdict | None]:
         return None, no_answer(exercise, text)
     _last[exercise.id] = found
     answer = assemble(name, from_namespace(namespace))
+    if answer and not_run(answer, namespace.get("In", [])):
+        text = (
+            f"Your newest cell with def {name} did not run to its end. Run it and read its error."
+        )
+        return None, no_answer(exercise, text)
     if answer is None:
         text = f"{name} is not a function defined in a cell of this notebook (it is {found!r:.80})."
         return None, no_answer(exercise, text)
@@ -214,4 +219,11 @@ def _show(verdict: Verdict, extra: str) -> None:
 
 
 def _advice(verdict: Verdict) -> str:
-    return "" if verdict.points == verdict.out_of else f'Stuck? hint("{verdict.id}")'
+    """What to do after anything but full points."""
+    if verdict.points == verdict.out_of:
+        return ""
+    name = verdict.id.partition(".")[2]
+    known = registry.exercise(verdict.id)
+    rejected = verdict.outcome in (Outcome.WRONG, Outcome.ERROR) and isinstance(known, Exercise)
+    whose = f"From here on {name} is the course's; run your cell again to try yours. "
+    return (whose if rejected else "") + f'Stuck? hint("{verdict.id}")'

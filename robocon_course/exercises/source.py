@@ -98,10 +98,9 @@ def from_namespace(namespace: dict[str, Any]) -> Lookup:
     def lookup(name: str) -> str | None:
         if name not in namespace:
             return None
-        value = namespace[name]
-        # Arrays have no literal, and a class without methods no code: their cells have the text.
-        written = namespace.get("In", []) if name.isupper() or isinstance(value, type) else []
-        return _statement(name, value) or from_cells(written)(name)
+        # An imported number, an array, a class without methods, a timed cell: their cells have
+        # the text.
+        return _statement(name, namespace[name]) or from_cells(namespace.get("In", []))(name)
 
     return lookup
 
@@ -146,11 +145,18 @@ def broken_definition(name: str, cells: Iterable[str]) -> str:
     return ""
 
 
+def not_run(answer: Answer, cells: Iterable[str]) -> bool:
+    """Whether the newest cell with the answer's ``def`` is not the one that the answer is from."""
+    newest = [cell for cell in cells if re.search(rf"\bdef {answer.name}\b", cell)][-1:]
+    texts = [definition_in(cell, answer.name) for cell in newest]
+    return any(text is not None and text not in answer.text for text in texts)
+
+
 def plain_code(cell: str) -> str:
     """A cell without IPython's magics and shell lines, line numbers kept."""
-    if cell.startswith("%%"):
-        return ""
     lines = cell.splitlines()
+    if cell.startswith("%%") and not re.match(r"%%(time|timeit|capture|prun)\b", cell):
+        return ""  # another language, or a file
     return "\n".join("" if line.lstrip().startswith(("%", "!", "?")) else line for line in lines)
 
 

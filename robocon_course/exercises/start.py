@@ -8,11 +8,12 @@ import numpy as np
 
 from robocon_course import geometry
 from robocon_course.exercises.model import Case, Chapter, Exercise, Mistake
+from robocon_course.worlds import Student
 
 TURN = 2 * math.pi
 
 
-def _cases(student: int, rng: np.random.Generator) -> list[Case]:
+def _cases(student: Student, rng: np.random.Generator) -> list[Case]:
     situations = [
         ("a quarter turn left", math.pi / 2),
         ("three quarters of a turn left", 1.5 * math.pi),

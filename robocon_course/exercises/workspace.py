@@ -16,6 +16,7 @@ import json
 import os
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -44,16 +45,33 @@ class Workspace:
     @property
     def record(self) -> dict[str, Any]:
         """Student number, points and versions; empty before the first check."""
-        try:
-            record = json.loads((self.robot / "record.json").read_text(encoding="utf-8"))
-            return record if isinstance(record, dict) else {}
-        except (OSError, ValueError):
+        path = self.robot / "record.json"
+        if not path.is_file():
             return {}
+        try:
+            return _checked(json.loads(path.read_text(encoding="utf-8")))
+        except (ValueError, OSError):
+            return self._mend(path)
+
+    def _mend(self, path: Path) -> dict[str, Any]:
+        """Set a damaged record aside and begin a new one with every part that was accepted."""
+        names = (path.with_name(f"record.damaged-{count}.json") for count in range(1, 10_000))
+        aside = next(name for name in names if not name.exists())
+        os.replace(path, aside)
+        accepted = sorted(p.name for p in (self.robot / "versions").glob("*.*") if p.is_dir())
+        record = {"in_use": {name: len(self.versions(name)) for name in accepted}}
+        self._write(path, json.dumps(record, indent=1) + "\n")
+        warnings.warn(
+            f"my_robot/record.json was damaged and is kept as {aside.name}. Your parts are back "
+            "in use; points return when you check again. Give your student number again: begin.",
+            stacklevel=4,
+        )
+        return record
 
     @property
-    def student(self) -> int:
+    def student(self) -> int | str:
         """The student number in use; 0 until one is given."""
-        return int(self.record.get("student", 0))
+        return self.record.get("student", 0)
 
     def remember(self, **changes: Any) -> None:
         """Change entries of the record."""
@@ -183,6 +201,21 @@ class Workspace:
         beside = path.with_name(path.name + ".new")
         beside.write_text(text, encoding="utf-8")
         os.replace(beside, path)
+
+
+def _checked(record: Any) -> dict[str, Any]:
+    """A record whose entries have the right form; anything else is damage."""
+    forms = {"student": (int, str), "points": dict, "attempts": dict, "in_use": dict, "log": bool}
+    if not isinstance(record, dict):
+        raise ValueError("not a record")
+    for name, form in forms.items():
+        entry = record.get(name)
+        whole = entry is None or isinstance(entry, form)
+        if whole and isinstance(entry, dict):
+            whole = all(isinstance(number, int | float) for number in entry.values())
+        if not whole:
+            raise ValueError(f"{name} is {entry!r}")
+    return record
 
 
 def _blocks(text: str) -> dict[str, str]:

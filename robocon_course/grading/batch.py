@@ -28,7 +28,7 @@ class Row:
     """One submission's result: verdicts, or the reason why there are none."""
 
     name: str
-    student: int = 0
+    student: int | str = 0
     verdicts: tuple[Verdict, ...] = ()
     reason: str = ""
     seconds: float = field(default=0.0, compare=False)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import json
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from robocon_course._arrays import CourseError
 from robocon_course.exercises import registry
 from robocon_course.exercises.model import Chapter, Exercise
 from robocon_course.exercises.source import Lookup, from_cells, plain_code
+from robocon_course.worlds import student_number
 
 SIZE_LIMIT = 20 << 20  # bytes; a notebook with every figure in it stays below 3 MB
 COMPUTED = object()
@@ -31,7 +33,7 @@ class Submission:
 
     path: Path
     notebooks: tuple[tuple[str, ...], ...]
-    student: int
+    student: int | str
 
     @property
     def cells(self) -> tuple[str, ...]:
@@ -140,22 +142,24 @@ def _printed(cell: dict[str, Any]) -> str:
         return ""
 
 
-def _student(path: Path, cells: tuple[str, ...], printed: list[str]) -> int:
+def _student(path: Path, cells: tuple[str, ...], printed: list[str]) -> int | str:
     """The student number: a name that is a number, what ``begin`` was given, else what it said."""
     if path.stem.isdecimal():
         return int(path.stem)
-    for cell in cells:
-        for node in _calls(cell, "begin"):
-            given = [k.value for k in node.keywords if k.arg == "student"] + node.args[1:2]
-            if given and isinstance(given[0], ast.Constant) and isinstance(given[0].value, int):
-                return given[0].value
+    calls = [node for cell in cells for node in _calls(cell, "begin")]
+    given = [k.value for node in calls for k in node.keywords if k.arg == "student"]
+    given += [argument for node in calls for argument in node.args[1:2]]
+    found = [node.value for node in given if isinstance(node, ast.Constant)]
     folder = path if path.is_dir() else path.parent
     try:
         record = json.loads((folder / "my_robot" / "record.json").read_text(encoding="utf-8"))
-        return int(record["student"])
-    except (OSError, ValueError, KeyError, TypeError):
-        said = re.search(r"^Student number (\d{1,18})\.", "\n".join(printed), re.MULTILINE)
-        return int(said[1]) if said else 0
+        found.append(record["student"])
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        found += re.findall(r"^Student number (\w{1,40})\.", "\n".join(printed), re.MULTILINE)
+    for number in found:
+        with suppress(ValueError):
+            return student_number(number)
+    return 0
 
 
 def _answers(cell: str) -> list[tuple[str, Any]]:

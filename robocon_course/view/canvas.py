@@ -73,6 +73,10 @@ class Panel(Axes):
         kw = {"loc": "left", "fontsize": 11, "fontweight": "bold"} | kw
         return super().set_title(label, *args, **kw)
 
+    def legend(self, *args: Any, **kw: Any) -> Any:
+        """As ``Axes.legend``, with the course's defaults."""
+        return super().legend(*args, **({"frameon": False, "fontsize": 10} | kw))
+
 
 @contextmanager
 def styled() -> Iterator[None]:

@@ -41,7 +41,7 @@ def plot_counter_example(what: str, got: Any, expected: Any, unit: str = "") -> 
     pairs = list(_pairs(got, expected))[:MOST_PANELS]
     if not pairs:
         raise ValueError("got, expected: nothing in them can be drawn as numbers")
-    fig, panels = figure(7.6, 1.0 + 1.6 * len(pairs), rows=len(pairs), squeeze=False)
+    fig, panels = figure(7.5, 1.0 + 1.6 * len(pairs), rows=len(pairs), squeeze=False)
     for ax, (name, one, other) in zip(panels[:, 0], pairs, strict=True):
         draw = _draw_bars if other.size <= MOST_BARS and one.size <= MOST_BARS else _draw_series
         draw(ax, one, other)

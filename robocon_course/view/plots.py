@@ -66,7 +66,7 @@ def plot_imu(time: ArrayLike, gyro: ArrayLike, accel: ArrayLike) -> Figure:
     time = as_floats(time, "time", None)
     gyro = as_floats(gyro, "gyro", time.size, 3, finite=False)
     accel = as_floats(accel, "accel", time.size, 3, finite=False)
-    fig, panels = figure(7.6, 4.4, rows=2, sharex=True)
+    fig, panels = figure(7.5, 4.4, rows=2, sharex=True)
     for ax, samples, title in (
         (panels[0], np.degrees(gyro), "Gyroscope [deg/s]"),
         (panels[1], accel, "Accelerometer [m/s²]"),
@@ -109,7 +109,7 @@ def plot_angles(
     names = names or (("roll", "pitch", "yaw") if count > 1 else ("angle",))
     count = min(count, len(names))
     colours = colours_of(columns)
-    fig, panels = figure(7.6, 1.0 + 1.75 * count, rows=count, sharex=True, squeeze=False)
+    fig, panels = figure(7.5, 1.0 + 1.75 * count, rows=count, sharex=True, squeeze=False)
     for k, ax in enumerate(panels[:, 0]):
         lines = {
             label: (_gaps_at_jumps(np.degrees(values[:, k])), colours[label])
@@ -143,7 +143,7 @@ def plot_tilt_error(time: ArrayLike, errors: Mapping[str, ArrayLike]) -> Figure:
         degrees = np.degrees(as_floats(values, label, time.size, finite=False))
         rms = np.sqrt(np.nanmean(degrees**2))
         lines[f"{label}\nRMS {rms:.2f}°"] = (degrees, colours[label])
-    fig, ax = figure(7.6, 3.2)
+    fig, ax = figure(7.5, 3.2)
     draw_lines(ax, time, lines, linewidth=1.1)
     ax.set_title("Tilt error [deg]")
     ax.set_xlabel("time [s]")
@@ -173,7 +173,7 @@ def plot_sphere(raw: ArrayLike, corrected: ArrayLike, gravity: float = 9.80665) 
         ("corrected", as_floats(corrected, "corrected", None, 3, finite=False), MINE, "."),
     )
     reach = 1.05 * max(gravity, *(np.nanmax(np.abs(samples)) for _, samples, *_ in pairs))
-    fig, panels = figure(7.6, 5.0, mosaic=_SPHERE, height_ratios=(1.45, 1))
+    fig, panels = figure(7.5, 5.0, mosaic=_SPHERE, height_ratios=(1.45, 1))
     for ax, (i, j) in zip(panels.values(), _PLANES, strict=False):
         ax.add_patch(Circle((0, 0), gravity, fill=False, color=TRUTH, linewidth=1.0))
         for _, samples, colour, marker in pairs:
@@ -218,7 +218,7 @@ def plot_still(
     rates = np.degrees(as_floats(gyro, "gyro", time.size, 3, finite=False))
     level = np.degrees(as_floats(bias, "bias", 3))
     moved = list(moved)
-    fig, panels = figure(7.6, 4.8, rows=3, sharex=True)
+    fig, panels = figure(7.5, 4.8, rows=3, sharex=True)
     for i, ax in enumerate(panels):
         ax.plot(time, rates[:, i], color=RAW, linewidth=0.8)
         ax.axhline(0.0, color=TRUTH, linewidth=0.8, linestyle=":")

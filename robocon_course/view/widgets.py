@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import math
 import uuid
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -45,22 +44,22 @@ def explore(draw: Drawing, /, **sliders: tuple[float, float, float, float] | lis
         return
     display_id = uuid.uuid4().hex
     publish(figure, twin, display_id)
-    print(f"Figure: {one_line(twin)}")
-    _show_sliders(draw, sliders, display_id)
+    _show_sliders(draw, sliders, display_id, twin)
 
 
-def _show_sliders(draw: Drawing, sliders: dict[str, Any], display_id: str) -> None:
+def _show_sliders(draw: Drawing, sliders: dict[str, Any], display_id: str, twin: str) -> None:
     import ipywidgets
     from IPython.display import publish_display_data
 
     controls = {name: _control(name, spec) for name, spec in sliders.items()}
-    readout = ipywidgets.HTML()  # a Label would cut a long line off; HTML wraps it
+    # The text twin moves with the sliders. A Label would cut a long line off; HTML wraps it.
+    readout = ipywidgets.HTML(f"Figure: {html.escape(one_line(twin))}")
 
     def redraw(change: Any) -> None:
         try:
             figure, twin = draw(**{name: control.value for name, control in controls.items()})
             publish(figure, twin, display_id, update=True)
-            readout.value = f"Now: {html.escape(twin)}"
+            readout.value = f"Figure: {html.escape(one_line(twin))}"
         except Exception as error:  # a callback's exception would vanish into a log nobody reads
             message = html.escape(f"{type(error).__name__}: {error}")
             readout.value = f"{message} <i>(The picture is the last that worked.)</i>"
@@ -85,7 +84,7 @@ def _control(name: str, spec: tuple | list) -> Any:
         return ipywidgets.Dropdown(options=spec, value=spec[0], **common)
     low, high, step, start = spec
     whole = all(isinstance(number, int) for number in spec)
-    decimals = 0 if whole else max(0, math.ceil(-math.log10(step) - 1e-9))
+    decimals = 0 if whole else len(f"{step:.6f}".rstrip("0").partition(".")[2])
     slider = ipywidgets.IntSlider if whole else ipywidgets.FloatSlider
     return slider(
         value=start,

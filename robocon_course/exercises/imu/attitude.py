@@ -9,7 +9,7 @@ import numpy as np
 from robocon_course import geometry, imu
 from robocon_course.exercises.model import Case, Exercise, Mistake
 from robocon_course.geometry import GRAVITY
-from robocon_course.worlds import DT
+from robocon_course.worlds import DT, Student
 
 
 def _attitudes(rng: np.random.Generator, count: int) -> list[np.ndarray]:
@@ -17,7 +17,7 @@ def _attitudes(rng: np.random.Generator, count: int) -> list[np.ndarray]:
     return list(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
 
 
-def _gravity_direction_cases(student: int, rng: np.random.Generator) -> list[Case]:
+def _gravity_direction_cases(student: Student, rng: np.random.Generator) -> list[Case]:
     named = [
         ("level", (0.0, 0.0, 0.0)),
         ("20° of roll", (np.radians(20), 0.0, 0.0)),
@@ -79,7 +79,7 @@ GRAVITY_DIRECTION = Exercise(
 )
 
 
-def _mahony_step_cases(student: int, rng: np.random.Generator) -> list[Case]:
+def _mahony_step_cases(student: Student, rng: np.random.Generator) -> list[Case]:
     p, pi = imu.MahonyGains(1.0, 0.0), imu.MahonyGains(1.5, 0.3)
     gated = imu.MahonyGains(1.0, 0.1, gate=0.5)
     level, up = imu.MahonyState(np.array([1.0, 0, 0, 0]), np.zeros(3)), [0.0, 0.0, GRAVITY]
@@ -94,6 +94,7 @@ def _mahony_step_cases(student: int, rng: np.random.Generator) -> list[Case]:
         ("free fall: the accelerometer reads 0", leaning, [0.1, 0.2, 0.3], calm, pi),
         ("the gyroscope sample is missing (NaN)", leaning, nan, up, pi),
         ("a push of 3 m/s², gate 0.5 m/s²", leaning, calm, [3.0, 0.0, GRAVITY + 1], gated),
+        ("a push to the side, gate 0.5 m/s²", leaning, calm, [3.5, 0.0, GRAVITY], gated),
         ("no push, gate 0.5 m/s²", leaning, calm, [0.2, 0.0, GRAVITY], gated),
     ]
     for quaternion in _attitudes(rng, 6):
@@ -117,6 +118,7 @@ def _mahony(
     normalise: bool = True,
     careful: bool = True,
     gated: bool = True,
+    old_integral: bool = False,
     rate: Callable[[np.ndarray], np.ndarray] = lambda gyro: gyro,
 ) -> Callable[..., imu.MahonyState]:
     """The filter with one of its steps done wrongly."""
@@ -137,8 +139,9 @@ def _mahony(
         if not careful or (0 < length < np.inf and inside):
             with np.errstate(all="ignore"):
                 push = error(accel / length if unit else accel, up(q))
+        before = integral
         integral = integral + gains.k_i * push * (dt if integral_dt else 1.0)
-        omega = rate(gyro) + gains.k_p * push + integral
+        omega = rate(gyro) + gains.k_p * push + (before if old_integral else integral)
         q = q + half * dt * turn(q, np.array([0.0, *omega]))
         return imu.MahonyState(q / np.linalg.norm(q) if normalise else q, integral)
 
@@ -150,6 +153,7 @@ MAHONY_STEP = Exercise(
     title="One step of the Mahony filter",
     points=4,
     reference=imu.mahony_step,
+    shortcuts=("robocon_course.imu.mahony.mahony_update",),
     cases=_mahony_step_cases,
     hints=(
         "Five lines: error, integral, corrected rate, turn the quaternion, normalise. Before "
@@ -184,6 +188,12 @@ MAHONY_STEP = Exercise(
             "The integral grows by k_i · error, without dt: it depends on the sample rate, and at "
             "100 Hz it is a hundred times too fast.",
             _mahony(integral_dt=False),
+        ),
+        Mistake(
+            "integral of the sample before",
+            "The corrected rate uses the integral from before this sample. Update the integral "
+            "first, then add it.",
+            _mahony(old_integral=True),
         ),
         Mistake(
             "world frame",
@@ -227,7 +237,7 @@ MAHONY_STEP = Exercise(
 )
 
 
-def _euler_angles_cases(student: int, rng: np.random.Generator) -> list[Case]:
+def _euler_angles_cases(student: Student, rng: np.random.Generator) -> list[Case]:
     named = [
         ("level", (0.0, 0.0, 0.0)),
         ("20° of roll", (np.radians(20), 0.0, 0.0)),

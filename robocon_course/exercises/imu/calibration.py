@@ -12,7 +12,7 @@ from robocon_course.answers.process import Reply
 from robocon_course.exercises.model import Case, Exercise, Mistake
 from robocon_course.geometry import GRAVITY
 from robocon_course.simulator import sensors
-from robocon_course.worlds import DT
+from robocon_course.worlds import DT, Student
 
 BLOCK = 50
 
@@ -50,11 +50,23 @@ def _names_row(row: int) -> Callable[[Reply], str | None]:
     return judge
 
 
-def _calibrate_gyro_cases(student: int, rng: np.random.Generator) -> list[Case]:
-    cases = [Case("a robot at rest", (_still_log(rng),), "rad/s", 2e-4) for _ in range(3)]
+def _calibrate_gyro_cases(student: Student, rng: np.random.Generator) -> list[Case]:
+    bias = {"bias": 2e-4}
+    cases = [Case("a robot at rest", (_still_log(rng),), "rad/s", bias) for _ in range(3)]
+    hum, noisy = _still_log(rng), _still_log(rng)
+    hum[300:350, 1] += 0.006
+    cases.append(Case("at rest, one block 0.006 rad/s off", (hum,), "rad/s", bias))
+    noisy += rng.normal(0.0, 0.03, noisy.shape)
+    cases.append(Case("at rest with a noisy sensor", (noisy,), "rad/s", {"bias": 1e-3}))
     for what in ("somebody turns the robot", "somebody bumps into the robot"):
         log, row = _moved_log(rng)
         cases.append(Case(what, (log,), "rad/s", judge=_names_row(row)))
+    slow = _still_log(rng)
+    slow[:50, 2] += 0.05
+    slow[800:900, 0] -= 0.4
+    cases.append(
+        Case("a slow turn at once, a fast one later", (slow,), "rad/s", judge=_names_row(0))
+    )
     return cases
 
 
@@ -81,7 +93,6 @@ CALIBRATE_GYRO = Exercise(
     points=3,
     reference=imu.calibrate_gyro,
     cases=_calibrate_gyro_cases,
-    fields=("bias",),
     hints=(
         "A robot at rest turns at 0 rad/s. Whatever the gyroscope says on average is its bias.",
         "Cut the log into blocks of 50 rows. At rest every block has the same mean, but for noise. "
@@ -126,23 +137,26 @@ CALIBRATE_GYRO = Exercise(
 )
 
 
-def _calibrate_accelerometer_cases(student: int, rng: np.random.Generator) -> list[Case]:
+def _calibrate_accelerometer_cases(student: Student, rng: np.random.Generator) -> list[Case]:
+    close = {"bias": 5e-3, "scale": 5e-4}
     cases = [
-        Case("a perfect sensor", (GRAVITY * np.vstack([np.eye(3), -np.eye(3)]),), "m/s²", 1e-9)
+        Case("a perfect sensor", (GRAVITY * np.vstack([np.eye(3), -np.eye(3)]),), "m/s²", close)
     ]
     for what in ("your own sensor", "another sensor", "a third sensor"):
         rests = worlds.rest_means(_some_imu(rng), rng)
-        cases.append(Case(what, (rng.permutation(rests),), "m/s²", 1e-6))
-    counts = np.round(16384 * cases[1].args[0] / GRAVITY)
-    cases.append(Case("raw counts, where 1 g is about 16384", (counts,), "counts", 1e-6))
+        cases.append(Case(what, (rng.permutation(rests),), "m/s²", close))
+    cases.append(Case("gravity as in Quito, 9.77 m/s²", (rests, 9.77), "m/s²", close))
+    counts = np.round(16384 * rests / GRAVITY) + np.array([900.0, -400.0, 150.0])
+    close = {"bias": 10.0, "scale": 3e-7}
+    cases.append(Case("raw counts, where 1 g is about 16384", (counts,), "counts", close))
     return cases
 
 
 def _six_positions(
     bias: Callable[[np.ndarray], np.ndarray], scale: Callable[[np.ndarray], np.ndarray]
 ) -> Callable[..., imu.AccelerometerCalibration]:
-    def function(rests: np.ndarray) -> imu.AccelerometerCalibration:
-        return imu.AccelerometerCalibration(bias=bias(rests), scale=scale(rests))
+    def function(rests: np.ndarray, gravity: float = GRAVITY) -> imu.AccelerometerCalibration:
+        return imu.AccelerometerCalibration(bias(rests), scale(rests) * gravity / GRAVITY)
 
     return function
 
@@ -161,7 +175,6 @@ CALIBRATE_ACCELEROMETER = Exercise(
     points=2,
     reference=imu.calibrate_accelerometer,
     cases=_calibrate_accelerometer_cases,
-    fields=("bias", "scale"),
     hints=(
         "With an axis up the sensor reads +g/scale + bias, with the axis down −g/scale + bias.",
         "Add the two readings and the gravity goes away; subtract them and the bias goes away.",
@@ -173,6 +186,11 @@ CALIBRATE_ACCELEROMETER = Exercise(
             "The bias holds gravity: it is the mean of a log at rest, as printed in one of the "
             "sources. At rest an accelerometer does not read 0, it reads g upwards.",
             _six_positions(lambda rests: rests[np.argmax(rests[:, 2])], _gain),
+        ),
+        Mistake(
+            "gravity ignored",
+            "The argument gravity is not used: g is not 9.80665 everywhere.",
+            lambda rests, gravity=GRAVITY: imu.calibrate_accelerometer(rests),
         ),
         Mistake(
             "scale upside down",
@@ -203,33 +221,46 @@ CALIBRATE_ACCELEROMETER = Exercise(
 )
 
 
-def _fit_ellipsoid_cases(student: int, rng: np.random.Generator) -> list[Case]:
+def _fit_ellipsoid_cases(student: Student, rng: np.random.Generator) -> list[Case]:
     cases = []
     for what in ("slow turns of your own sensor", "slow turns of another sensor"):
         turns = sensors.imu_measurements(
             *sensors.slow_turns(DT, lean=worlds.LEAN), DT, _some_imu(rng), rng
         )[1]
-        cases.append(Case(what, (turns[::10],), "m/s²", 0.02))
+        cases.append(Case(what, (turns[::10],), "m/s²", {"bias": 0.02, "scale": 1e-3}))
     direction = rng.normal(size=(40, 3))
     up = GRAVITY * direction / np.linalg.norm(direction, axis=1, keepdims=True)
     tilted = np.round(up / [1.05, 0.97, 1.01] + [0.3, -0.2, 0.1], 4)
-    cases.append(Case("forty positions, no axis ever vertical", (tilted,), "m/s²", 0.005))
+    close = {"bias": 5e-3, "scale": 5e-4}
+    cases.append(Case("forty positions, no axis ever vertical", (tilted,), "m/s²", close))
+    far = np.round(up / [1.1, 0.93, 1.0] + [2.5, -2.0, 1.5], 4)
+    cases.append(Case("a very large bias", (far,), "m/s²", close))
+    cases.append(Case("gravity as in Quito, 9.77 m/s²", (tilted, 9.77), "m/s²", close))
     return cases
 
 
-def _sphere(samples: np.ndarray) -> imu.AccelerometerCalibration:
+def _sphere(samples: np.ndarray, gravity: float = GRAVITY) -> imu.AccelerometerCalibration:
     """One radius for all axes."""
     unknowns = np.c_[2 * samples, np.ones(len(samples))]
     found = np.linalg.lstsq(unknowns, (samples**2).sum(axis=1), rcond=None)[0]
     radius = np.sqrt(found[3] + found[:3] @ found[:3])
-    return imu.AccelerometerCalibration(bias=found[:3], scale=np.full(3, GRAVITY / radius))
+    return imu.AccelerometerCalibration(bias=found[:3], scale=np.full(3, gravity / radius))
+
+
+def _no_square(samples: np.ndarray, gravity: float = GRAVITY) -> imu.AccelerometerCalibration:
+    """The half axes as if the centre were the origin."""
+    unit = np.abs(samples).max()
+    x = samples / unit
+    found = np.linalg.lstsq(np.hstack([x**2, x]), np.ones(len(x)), rcond=None)[0]
+    bias = -found[3:] / (2 * found[:3])
+    return imu.AccelerometerCalibration(bias * unit, gravity * np.sqrt(found[:3]) / unit)
 
 
 def _with_right_fit(
     change: Callable[[imu.AccelerometerCalibration, np.ndarray], tuple[np.ndarray, np.ndarray]],
 ) -> Callable[..., imu.AccelerometerCalibration]:
-    def function(samples: np.ndarray) -> imu.AccelerometerCalibration:
-        bias, scale = change(imu.fit_ellipsoid(samples), samples)
+    def function(samples: np.ndarray, gravity: float = GRAVITY) -> imu.AccelerometerCalibration:
+        bias, scale = change(imu.fit_ellipsoid(samples, gravity), samples)
         return imu.AccelerometerCalibration(bias=bias, scale=scale)
 
     return function
@@ -241,7 +272,6 @@ FIT_ELLIPSOID = Exercise(
     points=3,
     reference=imu.fit_ellipsoid,
     cases=_fit_ellipsoid_cases,
-    fields=("bias", "scale"),
     hints=(
         "Corrected samples lie on a sphere of radius g, so raw ones lie on an ellipsoid. "
         "Six unknowns, three biases and three scales, and many more samples.",
@@ -255,6 +285,12 @@ FIT_ELLIPSOID = Exercise(
             "This uses the largest and smallest reading. No axis was ever exactly vertical, so "
             "neither is a full g; and each is one sample with its noise. Use all samples.",
             _six_positions(_middle, _gain),
+        ),
+        Mistake(
+            "square not completed",
+            "The half axes are too short: the centre's own squares are missing. "
+            "r = 1 + A b_x² + B b_y² + C b_z².",
+            _no_square,
         ),
         Mistake(
             "one scale for all axes",

@@ -8,18 +8,19 @@ import numpy as np
 
 from robocon_course import geometry, imu, worlds
 from robocon_course.exercises.model import Case, Exercise, Mistake, Number, Score
-from robocon_course.worlds import DT
+from robocon_course.worlds import DT, Student
 
 
-def _true_bias(student: int) -> float:
+def _true_bias(student: Student) -> float:
     return float(np.degrees(worlds.own_imu(student).gyro_bias[2]))
 
 
-def _yaw_drift(student: int, *, calibrated: bool = False) -> float:
+def _yaw_drift(student: Student, *, calibrated: bool = False) -> float:
     """Yaw at the end of the match beside the truth [deg]."""
     world = worlds.imu_world(student)
     bias = imu.calibrate_gyro(world.still).bias if calibrated else np.zeros(3)
-    log = imu.estimate_attitude(world.gyro - bias, world.accel, world.dt)
+    accel = imu.calibrate_accelerometer(world.rests).apply(world.accel)
+    log = imu.estimate_attitude(world.gyro - bias, accel, world.dt)
     true_yaw = imu.euler_angles(world.truth[-1])[2]
     return float(np.degrees(geometry.wrap_angle(log.yaw[-1] - true_yaw)))
 
@@ -85,7 +86,7 @@ OWN_DRIFT = Number(
 )
 
 
-def _attitude_in_motion_cases(student: int, rng: np.random.Generator) -> list[Case]:
+def _attitude_in_motion_cases(student: Student, rng: np.random.Generator) -> list[Case]:
     drives = [worlds.rough_drive(rng) for _ in range(3)]
     return [Case("a rough drive", (d.gyro, d.accel, DT), truth=d.truth) for d in drives]
 
