@@ -15,6 +15,7 @@
 # ## 1. Begin
 #
 # Put your student number in place of `None`, and run the cell with **Shift + Enter**.
+# If it holds letters or begins with 0, write it in quotes: `"H1D021001"`.
 # The number gives you a sensor of your own: its errors are yours alone.
 # The course remembers it for the chapters to come.
 
@@ -123,7 +124,8 @@ wrap_angle = check("start.wrap_angle", practice=True)
 # ### Exercise: wrap an angle (1 point)
 #
 # Write the function so that any angle comes out in $[-\pi, \pi)$.
-# Delete the two lines under the description, write yours, run the cell, then run the check.
+# Delete the lines `# YOUR CODE HERE` and `raise …` under the docstring, write yours, run the cell,
+# then run the check.
 
 # %% exercise="start.wrap_angle"
 def wrap_angle(angle):
@@ -162,7 +164,7 @@ def draw_heading(turns):
     ax.plot(heading, heading, "--", color="0.6", label="raw")
     jumps = np.abs(np.diff(wrapped, prepend=wrapped[0])) > math.pi
     ax.plot(heading, np.where(jumps, np.nan, wrapped), label="wrapped")
-    ax.set(xlabel="angle turned [rad]", ylabel="heading [rad]", ylim=(-4.5, 8.5))
+    ax.set(xlabel="angle turned [rad]", ylabel="heading [rad]")
     ax.legend(loc="upper left")
     twin = f"After {turns:g} turns the raw heading is {heading[-1]:.2f} rad, wrapped {wrapped[-1]:.2f} rad."
     return fig, twin

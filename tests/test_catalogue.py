@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from conftest import ROOT
-from robocon_course import lessons
+from robocon_course import geometry, imu, lessons, worlds
 from robocon_course.answers.process import AnswerProcess
 from robocon_course.exercises import registry
 from robocon_course.exercises.judge import ask_function, judge, judge_answer, judge_number
 from robocon_course.exercises.model import Exercise, Number, Outcome
-from robocon_course.exercises.source import assemble, from_cells
+from robocon_course.exercises.source import Answer, assemble, from_cells
 from robocon_course.worlds import generator, imu_world
 
 STUDENTS = (0, 7, 21306141022)

@@ -50,7 +50,7 @@ GRAVITY_DIRECTION = Exercise(
         Mistake(
             "half gravity",
             "x and y are full components and z is half of one, as one of the sources prints it "
-            "(q0² − 0.5 + q3²). A tilt of 20° would read as 10.3°. Double z.",
+            "(w² − 0.5 + z²). A tilt of 20° would read as 10.3°. Double z.",
             _half_gravity,
         ),
         Mistake(
