@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -17,6 +18,7 @@ OPENCV = (
 )
 CORE = ("jupyterlab", "ipykernel", "numpy", "numba", "matplotlib", "ipywidgets", "onnxruntime")
 VISION = ("ultralytics-opencv-headless", "torch", "torchvision", "onnx")
+PIP = f'"{sys.executable}" -m pip'  # of this very environment, whatever the PATH says
 PAIRS = {"2.13": "0.28", "2.12": "0.27"}  # torch -> the torchvision built for it
 
 
@@ -35,7 +37,7 @@ def examine() -> Iterator[Line]:
     version = ".".join(map(str, sys.version_info[:3]))
     yield Line("python", sys.version_info >= (3, 11), version, "install Python 3.11 or newer")
     for name in CORE:
-        yield _package(name, "pip install -e .")
+        yield _package(name)
     yield _opencv()
     yield _kernel()
     yield from _vision()
@@ -63,9 +65,19 @@ def _version(name: str) -> str | None:
         return None
 
 
-def _package(name: str, fix: str) -> Line:
+def _package(name: str) -> Line:
     found = _version(name)
-    return Line(name, found is not None, found or "not installed", fix)
+    return Line(name, found is not None, found or "not installed", _cure(name))
+
+
+def _cure(name: str) -> str:
+    """The command that installs a package in the version that the course asks for."""
+    try:
+        wanted = [need.partition(";")[0].strip() for need in metadata.requires("robocon-course")]
+    except (metadata.PackageNotFoundError, TypeError):
+        wanted = []
+    asked = next((need for need in wanted if re.match(rf"{name}(?![\w-])", need)), name)
+    return f'{PIP} install "{asked}"'
 
 
 def _opencv() -> Line:
@@ -74,8 +86,8 @@ def _opencv() -> Line:
     seen = ", ".join(f"{name} {_version(name)}" for name in found) or "not installed"
     if found == ["opencv-python-headless"]:
         return Line("cv2", True, seen)
-    remove = f"pip uninstall -y {' '.join(found)} && " if found else ""
-    fix = f"{remove}pip install --force-reinstall --no-deps opencv-python-headless"
+    remove = f"{PIP} uninstall -y {' '.join(found)} && " if found else ""
+    fix = f"{remove}{PIP} install --force-reinstall --no-deps opencv-python-headless"
     seen = f"{len(found)} distributions of one module: {seen}" if len(found) > 1 else seen
     return Line("cv2", False, seen, fix)
 
@@ -114,12 +126,10 @@ def _vision() -> Iterator[Line]:
             "vision", True, 'not installed; training in chapter 06 needs pip install -e ".[vision]"'
         )
         return
-    for name, version in found.items():
-        yield Line(
-            name, version is not None, version or "not installed", 'pip install -e ".[vision]"'
-        )
+    for name in VISION:
+        yield _package(name)
     torch, vision = (found[n] or "" for n in ("torch", "torchvision"))
     wanted = PAIRS.get(".".join(torch.split(".")[:2]))
     if torch and vision and wanted and not vision.startswith(f"{wanted}."):
         seen = f"torch {torch} with torchvision {vision}, which was built for another torch"
-        yield Line("torch pair", False, seen, f'pip install "torchvision~={wanted}.0"')
+        yield Line("torch pair", False, seen, f'{PIP} install "torchvision~={wanted}.0"')

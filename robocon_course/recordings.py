@@ -38,7 +38,8 @@ def attitude_of_file(
         What was found and where the results lie, one line each.
     """
     log = imu.read_log(file, rate=rate)
-    gyro, lines = log.gyro, []
+    lines = _remarks(log)
+    gyro = log.gyro
     if still:
         rest = log.time - log.time[0] < still
         calibration = imu.calibrate_gyro(gyro[rest], dt=float(np.median(log.dt[1:])))
@@ -58,3 +59,23 @@ def attitude_of_file(
         f"at the end roll {roll:.1f}°, pitch {pitch:.1f}°, yaw {yaw:.1f}°"
     )
     return [*lines, f"Angles: {table}", f"Picture: {picture}"]
+
+
+def _remarks(log: imu.ImuLog) -> list[str]:
+    """What a reader should know about a log before believing its angles.
+
+    Raises
+    ------
+    ValueError
+        The accelerometer is not in m/s².
+    """
+    force = float(np.nanmedian(np.linalg.norm(log.accel, axis=1)))
+    if not 4.0 < force < 25.0:
+        raise ValueError(
+            f"accel: its median length is {force:.4g}, and gravity is 9.81 m/s²; give m/s², or "
+            "name the columns acc_x_g … for multiples of g. Raw counts need a calibration first"
+        )
+    gaps = log.dt[log.dt > max(0.2, 5.0 * float(np.median(log.dt)))]
+    if not len(gaps):
+        return []
+    return [f"{len(gaps)} gaps, the longest {gaps.max():.2f} s: turns during a gap are not known"]

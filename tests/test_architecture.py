@@ -17,7 +17,7 @@ PACKAGE = ROOT / "robocon_course"
 
 # Ground floor first. A room imports from floors below its own, never from its own or above.
 FLOORS = (
-    ("_arrays", "files", "mode"),
+    ("_arrays", "files"),
     ("geometry", "field"),
     ("imu", "simulator"),
     ("worlds", "autopilot", "view"),

@@ -167,7 +167,7 @@ def test_a_graded_run_uses_other_numbers_and_the_solution_passes_there_too(exerc
 
 
 IN_PLACE = {
-    "imu.euler_angles": "def euler_angles(q):\n    q[1:] *= 1.0\n    q[0] += 0.5\n    return q[:3]\n",
+    "imu.euler_angles": "def euler_angles(q):\n    q[0] += 0.5\n    return q[:3]\n",
     "imu.fit_ellipsoid": (
         "from robocon_course import imu\ndef fit_ellipsoid(samples, gravity=9.80665):\n"
         "    samples /= 2\n    return imu.AccelerometerCalibration([0, 0, 0], [1, 1, 1])\n"

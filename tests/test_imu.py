@@ -584,3 +584,23 @@ def test_half_of_one_component_of_gravity_settles_at_half_the_tangent(true_deg, 
     assert printed == pytest.approx(reads_deg, abs=0.05)
     assert np.tan(np.radians(printed)) == pytest.approx(np.tan(np.radians(true_deg)) / 2, rel=1e-6)
     assert settled(lambda q: 2 * (q[0] ** 2 - 0.5 + q[3] ** 2)) == pytest.approx(true_deg, abs=1e-6)
+
+
+@pytest.mark.parametrize("gap", [3.0, 10.0, 60.0])
+def test_after_a_gap_one_sample_does_not_throw_the_tilt_past_gravity(gap):
+    leaning = [0.0, np.sin(np.radians(20)), np.cos(np.radians(20))]
+    state = imu.mahony_step(imu.MahonyState.level(), np.zeros(3), leaning, gap)
+    assert 0.0 < np.degrees(imu.euler_angles(state.quaternion)[0]) <= 20.0
+
+
+def test_a_slow_turn_is_refused_however_noisy_the_sensor():
+    log = np.random.default_rng(3).normal(0.0, 0.02, (2000, 3))
+    log[600:1100, 2] += np.radians(3.0)
+    with pytest.raises(imu.MovedError):
+        imu.calibrate_gyro(log)
+
+
+def test_fit_ellipsoid_refuses_a_sensor_that_lay_still():
+    rng = np.random.default_rng(4)
+    with pytest.raises(ValueError, match="do not lie on an ellipsoid|span"):
+        imu.fit_ellipsoid(rng.normal([0.0, 0.0, G], 0.005, (2000, 3)))

@@ -108,8 +108,7 @@ def test_the_untouched_lesson_runs_from_top_to_bottom(name, workspace):
     said = "".join(lessons.output_text(o) for c in notebook.cells for o in c.get("outputs", []))
     for exercise in registry.chapter(name).exercises:
         assert f"– not attempted: {exercise.id}, 0 of {exercise.points:g} points" in said
-    record = json.loads((workspace / "my_robot" / "record.json").read_text())
-    assert not record.get("points") and not record.get("in_use")
+    assert not (workspace / "my_robot").exists()  # nothing earned, nothing kept
 
 
 # --- nbgrader ---------------------------------------------------------------------------------

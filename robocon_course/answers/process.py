@@ -10,6 +10,7 @@ import sys
 import tempfile
 import threading
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -58,8 +59,10 @@ class AnswerProcess:
             start_new_session=True,  # so that its children end with it
         )
         self._ready = self._closed = False
+        self._requests: queue.Queue[bytes | None] = queue.Queue()
         self._lines: queue.Queue[bytes] = queue.Queue()
-        threading.Thread(target=self._read, daemon=True).start()
+        for pipe in (self._write, self._read):
+            threading.Thread(target=pipe, daemon=True).start()
 
     def allow(self, time_limit: float) -> None:
         """Set the time for what follows, in seconds."""
@@ -69,31 +72,25 @@ class AnswerProcess:
         """Define the answer's functions; ``blocked`` are course functions it must not call."""
         return self._ask(do="load", source=source, blocked=list(blocked))
 
-    def call(self, name: str, args: tuple = (), kwargs: dict[str, Any] | None = None) -> Reply:
+    def call(self, name: str, args: tuple = ()) -> Reply:
         """Call function ``name`` of the answer."""
-        return self._ask(do="call", name=name, args=args, kwargs=kwargs or {})
+        return self._ask(do="call", name=name, args=args)
 
     def run(self, cells: list[str], student: int | str, references: dict[str, str]) -> Reply:
         """Run a notebook's cells; the value lists the numbers it passed to ``answer``."""
         return self._ask(do="run", cells=cells, student=student, references=references)
 
     def close(self) -> None:
-        """End the process and everything it started."""
+        """End the process and its group; a child that left the group keeps nothing waiting."""
         if self._closed:
             return  # its number may be another process's by now
         self._closed = True
+        self._requests.put(None)
         if os.name == "posix":
-            try:
+            with suppress(ProcessLookupError, PermissionError):
                 os.killpg(self._process.pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
         self._process.kill()
         self._process.wait()
-        for pipe in (self._process.stdin, self._process.stdout):
-            try:
-                pipe.close()
-            except OSError:
-                pass
         self._folder.cleanup()
 
     def __enter__(self) -> AnswerProcess:
@@ -102,42 +99,58 @@ class AnswerProcess:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def _write(self) -> None:
+        """Send requests; only this thread waits for a process that does not read them."""
+        with suppress(OSError, ValueError), self._process.stdin as pipe:
+            while (request := self._requests.get()) is not None:
+                pipe.write(request)
+                pipe.flush()
+
     def _read(self) -> None:
         """Collect reply lines; an over-long or last empty one ends the collection."""
         line = b"start"
-        while line and len(line) <= REPLY_LIMIT:
-            try:
-                line = self._process.stdout.readline(REPLY_LIMIT + 1)
-            except (OSError, ValueError):
-                line = b""
-            self._lines.put(line)
+        with suppress(OSError, ValueError), self._process.stdout as pipe:
+            while line and len(line) <= REPLY_LIMIT:
+                line = pipe.readline(REPLY_LIMIT + 1)
+                self._lines.put(line)
+        self._lines.put(b"")
 
     def _ask(self, **request: Any) -> Reply:
+        ended = Reply(error="ProcessEnded", message="the process that ran your code ended")
+        if self._closed:
+            return ended
         try:
             if not self._ready:  # the interpreter's own start is not the answer's time
                 self._ready = self._lines.get(timeout=START_LIMIT) == wire.READY
             started = time.monotonic()
-            self._process.stdin.write(wire.dumps(request))
-            self._process.stdin.flush()
+            self._requests.put(wire.dumps(request))
             line = self._lines.get(timeout=max(self.time_left, 0.0))
         except queue.Empty:
             self.close()
             return Reply(error="TimeLimit", message=f"stopped after {self.time_limit:g} s")
-        except (OSError, ValueError):
-            return Reply(error="ProcessEnded", message="the process that ran your code ended")
         self.time_left -= time.monotonic() - started
-        if not line:
-            return Reply(error="ProcessEnded", message="the process that ran your code ended")
         if len(line) > REPLY_LIMIT:
             return Reply(error="TooLarge", message=f"returned more than {REPLY_LIMIT >> 20} MB")
-        return _reply(line)
+        return _reply(line) if line else ended
 
 
 def _reply(line: bytes) -> Reply:
     try:
-        return Reply(**wire.loads(line))
+        reply = Reply(**wire.loads(line))
     except (ValueError, TypeError) as error:
         return Reply(error="NotPlainData", message=str(error))
+    words = (reply.error, reply.message, reply.line, reply.printed)
+    if not all(isinstance(word, str) for word in words):
+        return Reply(error="NotPlainData", message="a reply that no answer gives")
+    return reply
+
+
+# What a Python program needs of its surroundings; a grader's tokens and folders are not part of it.
+PASSED_ON = (
+    *("PATH", "LANG", "LC_ALL", "LC_CTYPE", "TZ", "LD_LIBRARY_PATH", "VIRTUAL_ENV"),
+    *("SYSTEMROOT", "WINDIR", "COMSPEC", "PATHEXT", "TEMP", "TMP", "TMPDIR"),
+    *("NUMBA_CACHE_DIR", "NUMBA_DISABLE_JIT", "COVERAGE_PROCESS_START"),
+)
 
 
 def _environment() -> dict[str, str]:
@@ -145,11 +158,6 @@ def _environment() -> dict[str, str]:
     threads = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
     # The worker must find the package even where it was put on the path by hand.
     paths = [str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])]
-    return (
-        os.environ
-        | dict.fromkeys(threads, "1")
-        | {
-            "PYTHONPATH": os.pathsep.join(paths),
-            "MPLBACKEND": "Agg",
-        }
-    )
+    kept = {name: os.environ[name] for name in PASSED_ON if name in os.environ}
+    own = {"PYTHONPATH": os.pathsep.join(paths), "MPLBACKEND": "Agg"}
+    return kept | dict.fromkeys(threads, "1") | own

@@ -68,11 +68,12 @@ def _fields(
     name = type(expected).__name__
     if type(got).__name__ != name:
         form = ", ".join(f"{field}=…" for field in fields)
-        return f"expected imu.{name}({form}), got {_kind(got)}"
+        room = type(expected).__module__.split(".")[1]
+        return f"expected {room}.{name}({form}), got {_kind(got)}"
     for field, wanted in fields.items():
         # A field without a tolerance is not judged, but it must have the right form.
         limit = atol.get(field, sys.float_info.max) if isinstance(atol, dict) else atol
-        found = difference(getattr(got, field), wanted, limit, unit if field == "bias" else "")
+        found = difference(getattr(got, field), wanted, limit, unit)
         if found:
             return f"{field}: {found}"
     return None
@@ -99,7 +100,7 @@ def _numbers(got: Any, expected: Any, atol: float, unit: str) -> str | None:
     except ValueError:  # lists of unequal length
         return f"expected {_kind(expected)}, got {_kind(got)}"
     if came.dtype.kind not in "biuf":
-        large = isinstance(got, int) or came.dtype.kind == "O" and _numeric(came.ravel().tolist())
+        large = isinstance(got, int) or (came.dtype.kind == "O" and _numeric(came.ravel().tolist()))
         what = "one too large for a float" if large else _kind(got)
         return f"expected {_kind(expected)}, got {what}"
     came = came.astype(float)

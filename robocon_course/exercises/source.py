@@ -24,6 +24,8 @@ import numpy as np
 
 Lookup = Callable[[str], str | None]
 
+# What a star brings, for the modules that beginners import so; others would have to be run to know.
+STARS = {"math": dir(math), "numpy": np.__all__}
 UNREADABLE = (ValueError, RecursionError, MemoryError)  # a null byte, ten thousand brackets
 
 
@@ -56,7 +58,7 @@ def assemble(name: str, lookup: Lookup) -> Answer | None:
         seen.add(wanted)
         text = lookup(wanted)
         if text is None:
-            missing.append(wanted)
+            missing.extend([] if hasattr(builtins, wanted) else [wanted])
             return
         for used in free_names(text):
             add(used)
@@ -71,7 +73,7 @@ def assemble(name: str, lookup: Lookup) -> Answer | None:
 
 
 def free_names(text: str) -> list[str]:
-    """Names that a statement takes from outside itself, builtins left out, in order."""
+    """Names that a statement takes from outside itself, in order."""
     whole = compile("from __future__ import annotations\n" + text, "<text>", "exec")
     found: dict[str, None] = {}
     for code in _codes(whole):
@@ -79,7 +81,7 @@ def free_names(text: str) -> list[str]:
         own = {step.argval for step in steps if step.opname == "STORE_NAME"}
         reads = [s.argval for s in steps if s.opname in ("LOAD_GLOBAL", "LOAD_NAME")]
         found |= dict.fromkeys(name for name in reads if name not in own)
-    given = {*dir(builtins), *(getattr(node, "name", "") for node in ast.parse(text).body)}
+    given = {getattr(node, "name", "") for node in ast.parse(text).body}
     # Names like __annotations__ are Python's own, and which there are differs between versions.
     return [name for name in found if name not in given and not name.startswith("__")]
 
@@ -109,11 +111,12 @@ def from_cells(cells: Iterable[str]) -> Lookup:
     """Look names up in the text of a notebook's code cells; the last definition counts."""
     found: dict[str, str] = {}
     for cell in cells:
-        for node in _parsed(cell):
-            text = _source_segment(cell, node)
+        for node, text in _statements(cell):
             if isinstance(node, ast.Import | ast.ImportFrom):
-                for alias in node.names:
-                    found[alias.asname or alias.name.partition(".")[0]] = text
+                names = [alias.asname or alias.name.partition(".")[0] for alias in node.names]
+                if names == ["*"]:
+                    names = STARS.get(getattr(node, "module", ""), [])
+                found |= dict.fromkeys(names, text)
             elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
                 found[node.name] = text
             elif _names_a_function(node, found):
@@ -125,9 +128,9 @@ def from_cells(cells: Iterable[str]) -> Lookup:
 
 def definition_in(cell: str, name: str) -> str | None:
     """The text of function or class ``name`` in a cell."""
-    for node in _parsed(cell):
-        if getattr(node, "name", None) == name and not isinstance(node, ast.ExceptHandler):
-            return _source_segment(cell, node)
+    for node, text in _statements(cell):
+        if getattr(node, "name", None) == name:
+            return text
     return None
 
 
@@ -154,7 +157,11 @@ def not_run(answer: Answer, cells: Iterable[str]) -> bool:
 
 def plain_code(cell: str) -> str:
     """A cell without IPython's magics and shell lines, line numbers kept."""
-    lines = cell.splitlines()
+    try:
+        ast.parse(cell)
+        return cell  # plain Python already; a line may well begin with the operator %
+    except (SyntaxError, *UNREADABLE):
+        lines = cell.splitlines()
     if cell.startswith("%%") and not re.match(r"%%(time|timeit|capture|prun)\b", cell):
         return ""  # another language, or a file
     return "\n".join("" if line.lstrip().startswith(("%", "!", "?")) else line for line in lines)
@@ -175,9 +182,12 @@ def _grammar(cell: str) -> list[ast.stmt]:
     return tree.body
 
 
-def _source_segment(cell: str, node: ast.stmt) -> str:
-    first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
-    return "\n".join(plain_code(cell).splitlines()[first - 1 : node.end_lineno])
+def _statements(cell: str) -> Iterator[tuple[ast.stmt, str]]:
+    """Top-level statements of a cell and their text, decorators included."""
+    lines = plain_code(cell).splitlines()
+    for node in _parsed(cell):
+        first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
+        yield node, "\n".join(lines[first - 1 : node.end_lineno])
 
 
 def _names_a_function(node: ast.stmt, found: dict[str, str]) -> bool:

@@ -78,23 +78,26 @@ class Workspace:
         self._write(self.robot / "record.json", json.dumps(self.record | changes, indent=1) + "\n")
 
     def note(self, verdict: Verdict) -> None:
-        """Keep the best points of an exercise, and the attempt where a log is wanted."""
+        """Keep the best points of an exercise; log the attempt only where a student wants it."""
         points = self.record.get("points", {})
         if verdict.points > points.get(verdict.id, 0.0):
             self.remember(points=points | {verdict.id: verdict.points})
-        attempts = self.record.get("attempts", {})
-        attempts = attempts | {verdict.id: attempts.get(verdict.id, 0) + 1}
-        self.remember(attempts=attempts)
         if self.record.get("log"):
-            entry = {
-                "id": verdict.id,
-                "outcome": verdict.outcome.name.lower(),
-                "mistake": verdict.mistake,
-                "attempt": attempts[verdict.id],
-                "time": time.strftime("%Y-%m-%dT%H:%M:%S"),
-            }
-            with (self.robot / "attempts.jsonl").open("a", encoding="utf-8") as log:
-                log.write(json.dumps(entry) + "\n")
+            self._log(verdict)
+
+    def _log(self, verdict: Verdict) -> None:
+        """Add a line to the log of attempts; the attempt's number is counted in the log itself."""
+        path = self.robot / "attempts.jsonl"
+        before = path.read_text(encoding="utf-8") if path.is_file() else ""
+        entry = {
+            "id": verdict.id,
+            "outcome": verdict.outcome.name.lower(),
+            "mistake": verdict.mistake,
+            "attempt": before.count(f'"id": "{verdict.id}"') + 1,
+            "time": time.strftime("%Y-%m-%dT%H:%M:%S"),
+        }
+        with path.open("a", encoding="utf-8") as log:
+            log.write(json.dumps(entry) + "\n")
 
     def accept(self, exercise_id: str, text: str) -> int:
         """Keep an accepted answer and put it in use; returns the number of its version."""
@@ -205,7 +208,7 @@ class Workspace:
 
 def _checked(record: Any) -> dict[str, Any]:
     """A record whose entries have the right form; anything else is damage."""
-    forms = {"student": (int, str), "points": dict, "attempts": dict, "in_use": dict, "log": bool}
+    forms = {"student": (int, str), "points": dict, "in_use": dict, "log": bool}
     if not isinstance(record, dict):
         raise ValueError("not a record")
     for name, form in forms.items():
@@ -228,5 +231,7 @@ def _blocks(text: str) -> dict[str, str]:
         first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
         target = getattr(node, "target", next(iter(getattr(node, "targets", [])), None))
         block = "\n".join(lines[first - 1 : node.end_lineno])
-        found[block] = getattr(node, "name", getattr(target, "id", ""))
+        aliases = getattr(node, "names", [])
+        imported = (aliases[0].asname or aliases[0].name) if len(aliases) == 1 else ""
+        found[block] = getattr(node, "name", getattr(target, "id", imported))
     return found

@@ -20,6 +20,7 @@ from robocon_course.exercises.source import Lookup, from_cells, plain_code
 from robocon_course.worlds import student_number
 
 SIZE_LIMIT = 20 << 20  # bytes; a notebook with every figure in it stays below 3 MB
+LEAST_DIGITS = 4  # a shorter number in a name is a chapter or a counter, not a student
 COMPUTED = object()
 
 
@@ -109,6 +110,19 @@ def _handed_in(path: Path) -> bool:
 
 def _code_cells(path: Path) -> list[dict[str, Any]]:
     """Code cells of a notebook file, as they are."""
+    try:
+        cells = json.loads(_read(path))["cells"]
+        found = [cell for cell in cells if cell["cell_type"] == "code"]
+        for cell in found:
+            _text(cell["source"])  # refuse here what could not be read later
+        return found
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        kind = type(error).__name__
+        raise SubmissionError(f"{path.name} is not a notebook of format 4 ({kind})") from None
+
+
+def _read(path: Path) -> str:
+    """Text of a file that was handed in: a real one, of a reasonable size."""
     if path.is_symlink():
         raise SubmissionError(f"{path.name} is a link, not a file")
     if not path.is_file():
@@ -117,15 +131,7 @@ def _code_cells(path: Path) -> list[dict[str, Any]]:
         raise SubmissionError(
             f"{path.name} is larger than {SIZE_LIMIT >> 20} MB; clear its outputs"
         )
-    try:
-        cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
-        found = [cell for cell in cells if cell["cell_type"] == "code"]
-        for cell in found:
-            _text(cell["source"])  # refuse here what could not be read later
-        return found
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        kind = type(error).__name__
-        raise SubmissionError(f"{path.name} is not a notebook of format 4 ({kind})") from None
+    return path.read_text(encoding="utf-8")
 
 
 def _text(source: Any) -> str:
@@ -144,17 +150,16 @@ def _printed(cell: dict[str, Any]) -> str:
 
 def _student(path: Path, cells: tuple[str, ...], printed: list[str]) -> int | str:
     """The student number: a name that is a number, what ``begin`` was given, else what it said."""
-    if path.stem.isdecimal():
+    if path.stem.isdecimal() and len(path.stem) >= LEAST_DIGITS:
         return int(path.stem)
     calls = [node for cell in cells for node in _calls(cell, "begin")]
     given = [k.value for node in calls for k in node.keywords if k.arg == "student"]
     given += [argument for node in calls for argument in node.args[1:2]]
     found = [node.value for node in given if isinstance(node, ast.Constant)]
-    folder = path if path.is_dir() else path.parent
+    record = (path if path.is_dir() else path.parent) / "my_robot" / "record.json"
     try:
-        record = json.loads((folder / "my_robot" / "record.json").read_text(encoding="utf-8"))
-        found.append(record["student"])
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        found.append(json.loads(_read(record))["student"])
+    except (SubmissionError, OSError, ValueError, KeyError, TypeError, RecursionError):
         found += re.findall(r"^Student number (\w{1,40})\.", "\n".join(printed), re.MULTILINE)
     for number in found:
         with suppress(ValueError):

@@ -30,10 +30,15 @@ FEWEST_ROWS = 100
 # and 1.7 deg/s, let a table that hums pass; the relative ones noisy sensors, and raw counts, where
 # 0.01 means nothing. Ten rows of white noise keep both within 2 sigma; 3 and 5 leave room.
 MEAN_LIMIT, MEAN_SIGMAS = 0.01, 3.0
+# A mean of many rows scatters less than one row: what is usual among the blocks themselves counts.
+MEAN_SPREADS = 8.0
 SPREAD_LIMIT, SPREAD_SIGMAS = 0.03, 5.0
 # Smallest singular value per sqrt(row) of the ellipsoid fit. One over it is how much worse bias or
 # scale gets than a plain mean: 20. Six rests give 0.58, tilting by 20 degrees each way 0.01.
 LEAST_SPAN = 0.05
+# Scatter of the corrected lengths, in g. Slow turns in a hand stay below 0.1; the noise of a
+# sensor at rest, taken for an ellipsoid, has 0.35 and more.
+MOST_SCATTER = 0.15
 
 
 class MovedError(CourseError, ValueError):
@@ -145,7 +150,9 @@ def calibrate_gyro(still: ArrayLike, *, dt: float | None = None) -> GyroCalibrat
     mean = np.array([usable[block].mean(axis=0) for block in blocks])
     spread = np.array([usable[block].std(axis=0) for block in blocks])
     off = np.abs(mean - np.median(mean, axis=0))
-    moved = (off > np.maximum(MEAN_LIMIT, MEAN_SIGMAS * noise)) | (
+    usual = np.maximum(1.4826 * np.median(off, axis=0), noise / np.sqrt(len(blocks[0])))
+    far = np.minimum(MEAN_SIGMAS * noise, MEAN_SPREADS * usual)
+    moved = (off > np.maximum(MEAN_LIMIT, far)) | (
         spread > np.maximum(SPREAD_LIMIT, SPREAD_SIGMAS * noise)
     )
     if moved.any():
@@ -263,6 +270,22 @@ def fit_ellipsoid(samples: ArrayLike, gravity: float = GRAVITY) -> Accelerometer
     if size == 0.0:
         raise _no_span()
     unit = (samples - middle) / size  # counts or m/s^2: the fit sees numbers around 1
+    try:
+        bias, scale, length, jacobian = _fit(unit)
+    except np.linalg.LinAlgError:
+        raise _no_span() from None
+    if np.linalg.svd(jacobian, compute_uv=False)[-1] < LEAST_SPAN * np.sqrt(len(unit)):
+        raise _no_span()
+    if (length - 1.0).std() > MOST_SCATTER:
+        raise ValueError(
+            "samples: they do not lie on an ellipsoid; a sensor that lay still, or was shaken, "
+            "shows no gravity in all directions. Turn it slowly about all three axes"
+        )
+    return AccelerometerCalibration(middle + bias * size, scale * gravity / size)
+
+
+def _fit(unit: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Centre, 1/half-axis, length of every corrected sample, and the last Jacobian."""
     bias, scale = _algebraic_fit(unit)
     for _ in range(10):
         moved = (unit - bias) * scale
@@ -270,10 +293,10 @@ def fit_ellipsoid(samples: ArrayLike, gravity: float = GRAVITY) -> Accelerometer
         ray = moved / length
         jacobian = np.hstack([-ray, ray * moved])  # d length / d (bias * scale, log scale)
         step = np.linalg.lstsq(jacobian, 1.0 - length[:, 0])[0]
-        bias, scale = bias + step[:3] / scale, scale * np.exp(step[3:])
-    if np.linalg.svd(jacobian, compute_uv=False)[-1] < LEAST_SPAN * np.sqrt(len(unit)):
-        raise _no_span()
-    return AccelerometerCalibration(middle + bias * size, scale * gravity / size)
+        bias, scale = bias + step[:3] / scale, scale * np.exp(np.clip(step[3:], -1.0, 1.0))
+        if not np.isfinite([*bias, *scale]).all():
+            raise np.linalg.LinAlgError
+    return bias, scale, length[:, 0], jacobian
 
 
 def _algebraic_fit(unit: FloatArray) -> tuple[FloatArray, FloatArray]:

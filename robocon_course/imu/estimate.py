@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
 from robocon_course._arrays import FloatArray, as_floats
@@ -16,22 +15,9 @@ from robocon_course.imu.mahony import (
     MahonyState,
     as_memory,
     checked_gains,
+    mahony_run,
     mahony_update,
 )
-
-
-@njit(cache=True)
-def _run(memory, gyro, accel, dt, k_p, k_i, gate, out):
-    """`mahony_update` over all rows into ``out``; how many samples were not fully used."""
-    state = memory.copy()  # numba aligns it; numpy's may straddle two cache lines, a fifth slower
-    rejected = 0
-    for k in range(len(gyro)):
-        if not mahony_update(state, gyro[k], accel[k], dt[k], k_p, k_i, gate):
-            rejected += 1
-        for j in range(4):  # four stores; a slice assignment takes half as long again
-            out[k, j] = state[j]
-    memory[:] = state
-    return rejected
 
 
 class AttitudeFilter:
@@ -186,11 +172,11 @@ def estimate_attitude(
     gains = checked_gains(gains)
     state, out = _start(initial), np.empty((n, 4))
     start = _first_usable(accel) if initial is None else n
-    rejected = _run(state, gyro[:start], accel[:start], steps[:start], *gains, out)
+    rejected = mahony_run(state, gyro[:start], accel[:start], steps[:start], *gains, out)
     if start < n:
         state[:4] = out[start] = attitude_from_accel(accel[start])
         after = slice(start + 1, n)
-        rejected += _run(state, gyro[after], accel[after], steps[after], *gains, out[after])
+        rejected += mahony_run(state, gyro[after], accel[after], steps[after], *gains, out[after])
     return AttitudeLog(out, rejected)
 
 

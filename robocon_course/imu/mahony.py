@@ -113,9 +113,12 @@ def mahony_update(
         ex = ay * vz - az * vy
         ey = az * vx - ax * vz
         ez = ax * vy - ay * vx
-        ix += k_i * ex * dt
-        iy += k_i * ey * dt
-        iz += k_i * ez * dt
+        # After a gap one sample may at most settle the tilt, and teach the bias for a second.
+        k_p = min(k_p, 1.0 / dt) if dt > 0.0 else k_p
+        k_i *= min(dt, 1.0)
+        ix += k_i * ex
+        iy += k_i * ey
+        iz += k_i * ez
         wx, wy, wz = wx + k_p * ex, wy + k_p * ey, wz + k_p * ez
     # q + 1/2 q ⊗ (0, rate) dt, then back to length 1
     hx, hy, hz = 0.5 * dt * (wx + ix), 0.5 * dt * (wy + iy), 0.5 * dt * (wz + iz)
@@ -129,6 +132,40 @@ def mahony_update(
     state[0], state[1], state[2], state[3] = qw / norm, qx / norm, qy / norm, qz / norm
     state[4], state[5], state[6] = ix, iy, iz
     return used
+
+
+@njit(cache=True)
+def mahony_run(memory, gyro, accel, dt, k_p, k_i, gate, out):
+    """`mahony_update` over all rows into ``out``; how many samples were not fully used.
+
+    It stands beside the kernel it compiles in: numba looks only here for changes.
+
+    Parameters
+    ----------
+    memory : ndarray, shape (7,)
+        As in `mahony_update`; changed in place.
+    gyro : ndarray, shape (n, 3)  [rad/s, body]
+    accel : ndarray, shape (n, 3)  [m/s^2, body]
+    dt : ndarray, shape (n,)  [s]
+    k_p : float  [1/s]
+    k_i : float  [1/s^2]
+    gate : float  [m/s^2]
+    out : ndarray, shape (n, 4)
+        Takes the attitude after each row.
+
+    Returns
+    -------
+    int
+    """
+    state = memory.copy()  # numba aligns it; numpy's may straddle two cache lines, a fifth slower
+    rejected = 0
+    for k in range(len(gyro)):
+        if not mahony_update(state, gyro[k], accel[k], dt[k], k_p, k_i, gate):
+            rejected += 1
+        for j in range(4):  # four stores; a slice assignment takes half as long again
+            out[k, j] = state[j]
+    memory[:] = state
+    return rejected
 
 
 def mahony_step(

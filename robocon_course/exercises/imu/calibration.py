@@ -43,7 +43,7 @@ def _names_row(row: int) -> Callable[[Reply], str | None]:
         if reply.error not in ("ValueError", "MovedError"):
             return f"expected a ValueError, got {reply.error}: {reply.message}"
         rows = [float(number) for number in re.findall(r"\d+\.?\d*", reply.message)]
-        if any(abs(found - row) <= 2 * BLOCK for found in rows):
+        if len(rows) <= 6 and any(abs(found - row) <= 2 * BLOCK for found in rows):
             return None
         return f"the message does not say where it moved (about row {row}): {reply.message!r}"
 
@@ -51,7 +51,7 @@ def _names_row(row: int) -> Callable[[Reply], str | None]:
 
 
 def _calibrate_gyro_cases(student: Student, rng: np.random.Generator) -> list[Case]:
-    bias = {"bias": 2e-4}
+    bias = {"bias": 3e-5}  # a mean of 1500 samples is good to 1e-5
     cases = [Case("a robot at rest", (_still_log(rng),), "rad/s", bias) for _ in range(3)]
     hum, noisy = _still_log(rng), _still_log(rng)
     hum[300:350, 1] += 0.006
@@ -74,7 +74,10 @@ def _refusing(bias: Callable[[np.ndarray], np.ndarray]) -> Callable[..., imu.Gyr
     """A wrong way to average, with a right way to refuse."""
 
     def function(still: np.ndarray) -> imu.GyroCalibration:
-        right = imu.calibrate_gyro(still)
+        try:
+            right = imu.calibrate_gyro(still)
+        except imu.MovedError as error:
+            raise ValueError(str(error)) from None
         return imu.GyroCalibration(bias=bias(still), noise=right.noise)
 
     return function
@@ -139,16 +142,14 @@ CALIBRATE_GYRO = Exercise(
 
 def _calibrate_accelerometer_cases(student: Student, rng: np.random.Generator) -> list[Case]:
     close = {"bias": 5e-3, "scale": 5e-4}
-    cases = [
-        Case("a perfect sensor", (GRAVITY * np.vstack([np.eye(3), -np.eye(3)]),), "m/s²", close)
-    ]
+    cases = [Case("a perfect sensor", (GRAVITY * np.vstack([np.eye(3), -np.eye(3)]),), "", close)]
     for what in ("your own sensor", "another sensor", "a third sensor"):
         rests = worlds.rest_means(_some_imu(rng), rng)
-        cases.append(Case(what, (rng.permutation(rests),), "m/s²", close))
-    cases.append(Case("gravity as in Quito, 9.77 m/s²", (rests, 9.77), "m/s²", close))
+        cases.append(Case(what, (rng.permutation(rests),), "", close))
+    cases.append(Case("gravity as in Quito, 9.77 m/s²", (rests, 9.77), "", close))
     counts = np.round(16384 * rests / GRAVITY) + np.array([900.0, -400.0, 150.0])
     close = {"bias": 10.0, "scale": 3e-7}
-    cases.append(Case("raw counts, where 1 g is about 16384", (counts,), "counts", close))
+    cases.append(Case("raw counts, where 1 g is about 16384", (counts,), "", close))
     return cases
 
 
@@ -227,15 +228,15 @@ def _fit_ellipsoid_cases(student: Student, rng: np.random.Generator) -> list[Cas
         turns = sensors.imu_measurements(
             *sensors.slow_turns(DT, lean=worlds.LEAN), DT, _some_imu(rng), rng
         )[1]
-        cases.append(Case(what, (turns[::10],), "m/s²", {"bias": 0.02, "scale": 1e-3}))
+        cases.append(Case(what, (turns[::10],), "", {"bias": 0.02, "scale": 1e-3}))
     direction = rng.normal(size=(40, 3))
     up = GRAVITY * direction / np.linalg.norm(direction, axis=1, keepdims=True)
     tilted = np.round(up / [1.05, 0.97, 1.01] + [0.3, -0.2, 0.1], 4)
     close = {"bias": 5e-3, "scale": 5e-4}
-    cases.append(Case("forty positions, no axis ever vertical", (tilted,), "m/s²", close))
+    cases.append(Case("forty positions, no axis ever vertical", (tilted,), "", close))
     far = np.round(up / [1.1, 0.93, 1.0] + [2.5, -2.0, 1.5], 4)
-    cases.append(Case("a very large bias", (far,), "m/s²", close))
-    cases.append(Case("gravity as in Quito, 9.77 m/s²", (tilted, 9.77), "m/s²", close))
+    cases.append(Case("a very large bias", (far,), "", close))
+    cases.append(Case("gravity as in Quito, 9.77 m/s²", (tilted, 9.77), "", close))
     return cases
 
 
