@@ -602,5 +602,5 @@ def test_a_slow_turn_is_refused_however_noisy_the_sensor():
 
 def test_fit_ellipsoid_refuses_a_sensor_that_lay_still():
     rng = np.random.default_rng(4)
-    with pytest.raises(ValueError, match="do not lie on an ellipsoid|span"):
+    with pytest.raises(ValueError, match=r"do not lie on an ellipsoid|span"):
         imu.fit_ellipsoid(rng.normal([0.0, 0.0, G], 0.005, (2000, 3)))
