@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import enum
+import json
 import os
 import sys
 import time
@@ -365,3 +367,19 @@ def test_the_rehearsals_doubles_stand_for_every_name_a_notebook_imports(monkeypa
     rehearsal.run([], 0, {})
     doubles = sys.modules["robocon_course.exercises"]
     assert set(exercises.__all__) <= set(vars(doubles))
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "{'descr': '|V0', 'fortran_order': False, 'shape': (10**18,), }",
+        "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000000000,), }",
+        "{'descr': '<c16', 'fortran_order': False, 'shape': (0,), }",
+    ],
+)
+def test_a_forged_array_is_refused_before_it_is_made(header):
+    header = header.replace("10**18", str(10**18)).ljust(117) + "\n"
+    packed = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode()
+    line = json.dumps({"array": base64.b64encode(packed).decode()}).encode()
+    with pytest.raises(ValueError, match="plain"):
+        wire.loads(line)

@@ -11,6 +11,7 @@ import base64
 import dataclasses
 import io
 import json
+import math
 import sys
 from typing import Any, NamedTuple
 
@@ -92,8 +93,7 @@ def _unpack(data: Any) -> Any:
     if not isinstance(data, dict):
         return data
     if "array" in data:
-        file = io.BytesIO(base64.b64decode(data["array"]))
-        return np.lib.format.read_array(file, allow_pickle=False)
+        return _array(base64.b64decode(data["array"]))
     if "list" in data:
         return [_unpack(item) for item in data["list"]]
     if "tuple" in data:
@@ -104,6 +104,17 @@ def _unpack(data: Any) -> Any:
         fields = {key: _unpack(item) for key, item in data["fields"].items()}
         return _course_type(*data["type"])(**fields)
     return Foreign(*data["foreign"])
+
+
+def _array(packed: bytes) -> np.ndarray:
+    """An array of plain numbers that is as large as its header says, checked before it is made."""
+    file = io.BytesIO(packed)
+    np.lib.format.read_magic(file)
+    shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+    if dtype.kind not in "biuf" or math.prod(shape) * dtype.itemsize != len(packed) - file.tell():
+        raise ValueError(f"no array of plain numbers: {dtype}, shape {shape}")
+    file.seek(0)
+    return np.lib.format.read_array(file, allow_pickle=False)
 
 
 def _course_type(module: str, name: str) -> type:

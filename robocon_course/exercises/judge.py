@@ -220,14 +220,13 @@ def _recognise(
     for mistake in exercise.mistakes:
         ask = ask_function(mistake.function)
         if all(
-            _alike(exercise, case, reply, ask(case.args))
-            for case, reply in zip(cases, replies, strict=True)
+            _alike(case, reply, ask(case.args)) for case, reply in zip(cases, replies, strict=True)
         ):
             return mistake
     return None
 
 
-def _alike(exercise: Exercise, case: Case, reply: Reply, other: Reply) -> bool:
+def _alike(case: Case, reply: Reply, other: Reply) -> bool:
     if reply.error or other.error:
         return reply.error == other.error
     return difference(reply.value, other.value, case.atol or ALIKE) is None
