@@ -18,9 +18,9 @@ from nbclient import NotebookClient
 
 from robocon_course import imu
 from robocon_course.answers.process import AnswerProcess, Reply
-from robocon_course.answers.wire import Foreign
+from robocon_course.answers.wire import Foreign, fields_of
 from robocon_course.exercises import display, judge, registry, source
-from robocon_course.exercises.compare import difference, fields_of, shown
+from robocon_course.exercises.compare import difference, shown
 from robocon_course.exercises.model import (
     Case,
     Exercise,

@@ -55,7 +55,7 @@ def _pack(value: Any) -> Any:
         file = io.BytesIO()
         np.save(file, np.asarray(value), allow_pickle=False)
         return {"array": base64.b64encode(file.getvalue()).decode()}
-    fields = _fields(value)
+    fields = fields_of(value)
     if fields is not None:
         kind = type(value)
         return {"type": [kind.__module__, kind.__qualname__], "fields": _pack_all(fields)}
@@ -71,7 +71,7 @@ def _pack_all(mapping: dict[str, Any]) -> dict[str, Any]:
     return {key: _pack(item) for key, item in mapping.items()}
 
 
-def _fields(value: Any) -> dict[str, Any] | None:
+def fields_of(value: Any) -> dict[str, Any] | None:
     """Fields of one of the course's named tuples and data classes, None for anything else."""
     if not type(value).__module__.startswith("robocon_course."):
         return None

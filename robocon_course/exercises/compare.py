@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 import sys
 from typing import Any
 
 import numpy as np
 
-from robocon_course.answers.wire import Foreign
+from robocon_course.answers.wire import Foreign, fields_of
 
 Tolerance = float | dict[str, float]
 
@@ -34,15 +33,6 @@ def difference(got: Any, expected: Any, atol: Tolerance, unit: str = "") -> str 
     if isinstance(expected, tuple | list) and not _numeric(expected):
         return _sequence(got, expected, atol, unit)
     return _numbers(got, expected, atol, unit)
-
-
-def fields_of(value: Any) -> dict[str, Any] | None:
-    """Fields of one of the course's result objects by name, None for anything else."""
-    if isinstance(value, tuple) and hasattr(value, "_fields"):
-        return value._asdict()
-    if dataclasses.is_dataclass(value):
-        return {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
-    return None
 
 
 def shown(value: Any) -> str:

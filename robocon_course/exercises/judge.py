@@ -9,7 +9,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from robocon_course.answers.process import AnswerProcess, Reply
-from robocon_course.exercises.compare import difference, fields_of
+from robocon_course.answers.wire import fields_of
+from robocon_course.exercises.compare import difference
 from robocon_course.exercises.model import (
     Case,
     Exercise,
