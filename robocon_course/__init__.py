@@ -3,12 +3,18 @@
 The rooms, from the ground floor up; imports run downwards only:
 
 ==================  =========================================================
-``geometry``        quaternions and angles
 ``files``           where the course's data and lessons lie
+``geometry``        angles, poses in the plane, quaternions
+``gridmap``         a bitmap with a place: metres <-> cells, ROS maps in and out
+``drivetrain``      one linear map, body twist -> wheel speeds, for every drive
+``raycast``         how far a beam goes through a grid
+``field``           the game field of 2024: numbers, obstacle bitmap, heights
 ``imu``             chapter 01: calibration, Mahony filter, a phone as sensor
-``field``           the game field of 2024 in numbers
-``simulator``       sensors and motions that need no hardware
-``worlds``          student number -> seed -> a sensor world of one's own
+``odometry``        chapter 02: dead wheels -> pose
+``swerve``          chapter 03: body twist -> four modules, and back
+``robot``           what autonomy and hardware agree on: Observation, Command
+``simulator``       a robot on its field that needs no hardware
+``worlds``          student number -> seed -> a robot of one's own
 ``autopilot``       the robot's replaceable parts and the order they run in
 ``view``            figures and sliders: draw what they are given
 ``recordings``      files of a recording in, files of results out

@@ -55,3 +55,27 @@ def _fits(got: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
     return len(got) == len(wanted) and all(
         n is None or n == g for g, n in zip(got, wanted, strict=True)
     )
+
+
+def as_vectors(value: ArrayLike, name: str, size: int) -> FloatArray:
+    """``value`` as a float array of shape (..., size); NaN may pass, another last axis may not.
+
+    Parameters
+    ----------
+    value : array_like, shape (..., size)
+    name : str
+        Name of the argument, for the message.
+    size : int
+        Wanted length of the last axis.
+
+    Returns
+    -------
+    ndarray, shape (..., size)
+
+    Raises
+    ------
+    ValueError
+        Not numbers, or another last axis.
+    """
+    leading = (None,) * (np.ndim(value) - 1)
+    return as_floats(value, name, *leading, size, finite=False)

@@ -16,7 +16,10 @@ from robocon_course import exercises, view
 
 MODULES = [info.name for info in pkgutil.walk_packages(robocon_course.__path__, "robocon_course.")]
 # What students and their robots call; there every argument has its shape and unit in words.
-ROOMS = ("geometry", "field", "imu", "simulator", "autopilot", "recordings")
+ROOMS = (
+    *("geometry", "gridmap", "drivetrain", "raycast", "field", "imu", "odometry", "swerve"),
+    *("robot", "simulator", "autopilot", "recordings"),
+)
 
 
 def is_code(value) -> bool:

@@ -18,8 +18,8 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robocon_course._arrays import FloatArray
-from robocon_course.geometry import as_vectors, quaternion_from_euler
+from robocon_course._arrays import FloatArray, as_vectors
+from robocon_course.geometry import quaternion_from_euler
 
 
 def attitude_from_accel(accel: ArrayLike) -> FloatArray:

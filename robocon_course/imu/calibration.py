@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robocon_course._arrays import CourseError, FloatArray, as_floats
-from robocon_course.geometry import GRAVITY, as_vectors
+from robocon_course._arrays import CourseError, FloatArray, as_floats, as_vectors
+from robocon_course.geometry import GRAVITY
 
 # A still log of 15 to 20 s has 1500 rows and more; below 100 a mean says little and a bump hides.
 FEWEST_ROWS = 100

@@ -1,4 +1,4 @@
-"""Angles and quaternions: the numbers every room above stands on.
+"""Attitudes in three dimensions as unit quaternions.
 
 A unit quaternion q = (w, x, y, z) turns a vector from body axes into map axes:
 
@@ -16,55 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robocon_course._arrays import FloatArray, as_floats
-
-TURN = 2.0 * np.pi
-GRAVITY = 9.80665  # m/s^2, standard gravity: what a sensor at rest reads along the map's z axis
-
-
-def as_vectors(value: ArrayLike, name: str, size: int) -> FloatArray:
-    """``value`` as a float array of shape (..., size); NaN may pass, another last axis may not.
-
-    Parameters
-    ----------
-    value : array_like, shape (..., size)
-    name : str
-        Name of the argument, for the message.
-    size : int
-        Wanted length of the last axis.
-
-    Returns
-    -------
-    ndarray, shape (..., size)
-
-    Raises
-    ------
-    ValueError
-        Not numbers, or another last axis.
-    """
-    leading = (None,) * (np.ndim(value) - 1)
-    return as_floats(value, name, *leading, size, finite=False)
-
-
-def wrap_angle(angle: ArrayLike) -> FloatArray:
-    """The same direction as ``angle``, in [-pi, pi).
-
-    Parameters
-    ----------
-    angle : array_like  [rad]
-
-    Returns
-    -------
-    ndarray or float  [rad]
-        Exact: an angle already in the interval comes back to the bit.
-
-    Examples
-    --------
-    >>> float(wrap_angle(np.radians(190)).round(4)) == float(np.radians(-170).round(4))
-    True
-    """
-    rest = np.fmod(np.asarray(angle, dtype=np.float64), TURN)  # exact, in (-2 pi, 2 pi)
-    return rest - TURN * (rest >= np.pi) + TURN * (rest < -np.pi)
+from robocon_course._arrays import FloatArray, as_vectors
 
 
 def quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
