@@ -1,0 +1,32 @@
+"""Chapter 02: where is the robot, if all it has is three wheels that count?
+
+    ticks → travel d = 2πr · counts / counts_per_turn → A Δ = d → pose ← pose ∘ exp(Δ)
+
+Each dead wheel feels one component of the body's motion; three of them, or more, give all of it.
+Errors of size and place of the wheels add up with the way, which calibration mends.
+
+===============  ===========================================================
+``wheels``       `TrackingWheels`, counters that wrap around, travel
+``motion``       travel -> motion of the body -> poses; velocity; `Odometry`
+===============  ===========================================================
+"""
+
+from robocon_course.odometry.motion import (
+    Odometry,
+    body_deltas,
+    body_velocity,
+    integrate,
+    integrate_arcs,
+)
+from robocon_course.odometry.wheels import TrackingWheels, tick_changes, wheel_travel
+
+__all__ = [
+    "Odometry",
+    "TrackingWheels",
+    "body_deltas",
+    "body_velocity",
+    "integrate",
+    "integrate_arcs",
+    "tick_changes",
+    "wheel_travel",
+]
