@@ -104,6 +104,38 @@ RETRY_ZONE = Rect("Retry Zone", 0.0, 5.15, 0.7, 5.85, 0.15, RED)
 SEEDLING_RACK = Rect("seedling rack", 2.0, 0.0, 5.25, 0.25, 0.11, GREY)
 ZONES = (START_ZONE, START_ZONE_R1, RETRY_ZONE, SEEDLING_RACK, RAMP_1, RAMP_2)
 
+# What a beam hits and the body cannot enter. Heights are those of the top.
+WATER_BACK = Rect("back of the water frame", 0.0, 7.95, 3.8, 8.0, 0.35, GREY)
+"""The frame's side towards Area 3 rises as far above the platform as the fence."""
+_RIM = FENCE_THICKNESS
+FENCES = (
+    Rect("fence of Area 1", -_RIM, -_RIM, 0.0, 4.0, 0.15, GREY),
+    Rect("fence of Area 2", -_RIM, 4.0, 0.0, 8.0, 0.25, GREY),
+    Rect("fence of the Storage Zone", -_RIM, 8.0, 0.0, SIZE + _RIM, 0.35, GREY),
+    Rect("start fence", 0.0, -_RIM, SIZE / 2, 0.0, 0.15, GREY),
+    Rect("end fence", 0.0, SIZE, SIZE / 2, SIZE + _RIM, 0.35, GREY),
+)
+"""Boards around our half: 0.10 m above the floor beside them, 0.20 m in the Storage Zone."""
+LEDGES = (
+    Rect("ledge of Area 2", 1.0, 3.95, EDGE, 4.0, 0.15, GREY),
+    Rect("side of ramp 1", 1.0, 3.0, 1.05, 4.0, 0.15, GREY),
+    Rect("ledge of Area 3", 4.8, 7.95, EDGE, 8.0, 0.25, GREY),
+    Rect("side of ramp 2", 4.8, 7.0, 4.85, 8.0, 0.25, GREY),
+)
+"""Steps too high to climb. They have no thickness: these boxes lie on the floor below each."""
+OBSTACLES = (
+    *FENCES,
+    *LEDGES,
+    WATER_FRAME,
+    WATER_BACK,
+    SEEDLING_RACK,
+    DIVIDER_1,
+    DIVIDER_2,
+    SILO_ZONE,
+    Rect("other half", 6.125, -_RIM, SIZE + _RIM, SIZE + _RIM, 0.35, GREY),
+)
+"""What the chassis cannot enter."""
+
 # Spots.
 SILOS: tuple[Point, ...] = tuple((6.0, 8.5 + 0.75 * k) for k in range(5))
 """Centres of silos 1 to 5, counted from Area 2 towards the end fence."""

@@ -1,0 +1,230 @@
+"""Where may the robot drive? A bitmap with a scale: free cells and all the others.
+
+Cell (row, col) covers the square from origin + resolution (col, row) to one resolution further, so
+row 0 lies at the smallest y and a point (x, y) belongs to
+
+    col = floor((x - x0) / resolution),    row = floor((y - y0) / resolution)
+
+On disk it is the pair of files that ROS uses: a YAML text, and an image whose top row is the
+largest y. Unknown is not free, and neither is anything outside the map.
+
+Source: map_server of ROS, map format, https://wiki.ros.org/map_server.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robocon_course._arrays import FloatArray, as_floats, as_vectors
+
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class GridMap:
+    """A map of square cells, each free or not; it cannot change.
+
+    Attributes
+    ----------
+    free : ndarray of bool, shape (rows, cols)
+        True where the robot may be; row 0 at the smallest y. A read-only copy of what was given.
+    resolution : float  [m]
+        Side of a cell.
+    origin : (float, float)  [m, map]
+        Outer corner of cell (0, 0): smallest x and y of the map.
+
+    Raises
+    ------
+    ValueError
+        ``free`` is not two-dimensional bool or has no cells, the resolution is not positive, or
+        the origin is not two finite numbers.
+    """
+
+    free: BoolArray
+    resolution: float
+    origin: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        free = np.array(self.free, order="C")
+        if free.dtype != np.bool_ or free.ndim != 2 or free.size == 0:
+            raise ValueError(
+                "free: expected a two-dimensional array of bool (True = free), "
+                f"got {free.dtype} of shape {free.shape}"
+            )
+        free.setflags(write=False)
+        x, y = as_floats(self.origin, "origin", 2)
+        object.__setattr__(self, "free", free)
+        object.__setattr__(self, "resolution", checked_resolution(self.resolution))
+        object.__setattr__(self, "origin", (float(x), float(y)))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of rows and columns."""
+        rows, cols = self.free.shape
+        return rows, cols
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """Outer edges (x0, x1, y0, y1) [m, map], as matplotlib's ``imshow`` takes them."""
+        (x, y), (rows, cols) = self.origin, self.shape
+        return x, x + cols * self.resolution, y, y + rows * self.resolution
+
+    def cells(self, xy: ArrayLike) -> NDArray[np.int64]:
+        """The cells that points lie in; on a shared edge the cell further up or right.
+
+        Parameters
+        ----------
+        xy : array_like, shape (..., 2)  [m, map]
+
+        Returns
+        -------
+        ndarray of int64, shape (..., 2)
+            (row, col); outside the map it is negative or too large: ask `contains`.
+
+        Raises
+        ------
+        ValueError
+            Another last axis, or an entry that is not finite.
+        """
+        cells = self._scaled(xy)
+        if not np.isfinite(cells).all():
+            raise ValueError("xy: a point that is not finite lies in no cell; remove it first")
+        return cells.astype(np.int64)
+
+    def centres(self, cells: ArrayLike) -> FloatArray:
+        """Middle points of cells.
+
+        Parameters
+        ----------
+        cells : array_like, shape (..., 2)
+            (row, col); they need not lie in the map.
+
+        Returns
+        -------
+        ndarray, shape (..., 2)  [m, map]
+
+        Raises
+        ------
+        ValueError
+            Another last axis.
+        """
+        cells = as_vectors(cells, "cells", 2)
+        return (cells[..., ::-1] + 0.5) * self.resolution + self.origin
+
+    def contains(self, xy: ArrayLike) -> BoolArray:
+        """Whether points lie in the map; a point that is not finite does not.
+
+        Parameters
+        ----------
+        xy : array_like, shape (..., 2)  [m, map]
+
+        Returns
+        -------
+        ndarray of bool, shape (...)
+
+        Raises
+        ------
+        ValueError
+            Another last axis.
+        """
+        cells = self._scaled(xy)
+        return ((cells >= 0) & (cells < self.shape)).all(axis=-1)
+
+    def is_free(self, xy: ArrayLike) -> BoolArray:
+        """Whether points lie in free cells; outside the map nothing is free.
+
+        Parameters
+        ----------
+        xy : array_like, shape (..., 2)  [m, map]
+
+        Returns
+        -------
+        ndarray of bool, shape (...)
+
+        Raises
+        ------
+        ValueError
+            Another last axis.
+        """
+        cells, inside = self._scaled(xy), self.contains(xy)
+        row, col = np.where(inside[..., None], cells, 0.0).astype(np.int64).T
+        return inside & self.free[row, col].T
+
+    def _scaled(self, xy: ArrayLike) -> FloatArray:
+        """Cells (row, col) of points, as floats: a point that is not finite may pass."""
+        points = as_vectors(xy, "xy", 2)
+        return np.floor((points - self.origin) / self.resolution)[..., ::-1]
+
+
+def checked_resolution(resolution: float) -> float:
+    """The side of a cell, if it can be one.
+
+    Parameters
+    ----------
+    resolution : float  [m]
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        Not a positive, finite number.
+    """
+    resolution = float(as_floats(resolution, "resolution"))
+    if not 0.0 < resolution < inf:
+        raise ValueError(f"resolution: must be a positive number of metres, got {resolution!r}")
+    return resolution
+
+
+def inflate(grid: GridMap, radius: float) -> GridMap:
+    """The map for a round robot's middle: free where the whole robot has room.
+
+    A cell stays free if every one of its points is at least ``radius`` away from every point of
+    every cell that is not free, and from the edge of the map: what lies outside is unknown.
+
+    Parameters
+    ----------
+    grid : GridMap
+    radius : float  [m]
+        0 changes nothing.
+
+    Returns
+    -------
+    GridMap
+
+    Raises
+    ------
+    ValueError
+        Negative or not finite.
+
+    Notes
+    -----
+    Two squares (r, c) cells apart leave a gap of (|r| - 1, |c| - 1), not below 0. So the distance
+    between squares is the distance between middles once the obstacles have grown by one cell.
+
+    Examples
+    --------
+    >>> free = np.ones((5, 5), dtype=bool)
+    >>> inflate(GridMap(free, 1.0), 2.0).free.sum()
+    np.int64(1)
+    """
+    import cv2
+
+    radius = float(as_floats(radius, "radius"))
+    if radius < 0.0:
+        raise ValueError(f"radius: must not be negative, got {radius!r}")
+    if radius == 0.0:
+        return grid
+    blocked = np.pad(~grid.free, 2, constant_values=True).astype(np.uint8)
+    grown = cv2.dilate(blocked, np.ones((3, 3), np.uint8))
+    distance = cv2.distanceTransform(1 - grown, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[2:-2, 2:-2]
+    # Squared, a distance in cells is a whole number: rounded, it is exact.
+    squared = np.rint(np.square(distance, dtype=np.float64))
+    wide = squared >= (radius / grid.resolution) ** 2 * (1.0 - 1e-9)
+    return GridMap(grid.free & wide, grid.resolution, grid.origin)
