@@ -15,7 +15,7 @@ from IPython.core.interactiveshell import InteractiveShell
 from PIL import Image
 
 from robocon_course import view
-from robocon_course.view import canvas, comparison, widgets
+from robocon_course.view import canvas, comparison, lines, widgets
 
 TWIN = "A line that rises from 1 to 2 within 1 s."
 TIME = np.linspace(0.0, 5.0, 200)
@@ -149,12 +149,12 @@ def test_png_refuses_what_is_not_a_figure():
 
 
 def test_lines_are_named_at_their_ends_without_overlap():
-    places = canvas._spread({"a": 0.99, "b": 0.98, "c": 0.5, "d": 1.2}, dict.fromkeys("abcd", 0.1))
+    places = lines._spread({"a": 0.99, "b": 0.98, "c": 0.5, "d": 1.2}, dict.fromkeys("abcd", 0.1))
     assert list(places) == ["c", "b", "a", "d"]
     values = list(places.values())
     assert np.diff(values).min() >= 0.1 - 1e-12
     assert max(values) <= 0.95 + 1e-12 and places["c"] == 0.5
-    low = canvas._spread({"a": 0.0, "b": 0.01}, dict.fromkeys("ab", 0.1))
+    low = lines._spread({"a": 0.0, "b": 0.01}, dict.fromkeys("ab", 0.1))
     assert low == pytest.approx({"a": 0.05, "b": 0.15})
 
 

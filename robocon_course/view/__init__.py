@@ -1,12 +1,15 @@
 """Figures and sliders: this room draws what it is given and decides nothing.
 
-``canvas`` holds the style and what shows a figure, ``plots`` the plots of the chapters,
-``comparison`` the picture of a wrong answer, ``pictures`` the three big drawings and ``widgets``
-the sliders.
+``canvas`` holds the style and what shows a figure; ``plots``, ``motion`` and ``runs`` the plots
+of the chapters, ``field_picture`` the field with robots (``body``) and paths on it. ``comparison``
+is the picture of a wrong answer, ``pictures`` the three big drawings and ``widgets`` the sliders.
 """
 
+from robocon_course.view.body import RobotPicture
 from robocon_course.view.canvas import figure, png, show
 from robocon_course.view.comparison import plot_counter_example
+from robocon_course.view.field_picture import OUR_HALF, WHOLE_FIELD, draw_field
+from robocon_course.view.motion import plot_modules, plot_paths, plot_pose_errors, plot_tracking
 from robocon_course.view.pictures import draw_plan, draw_robot, draw_system
 from robocon_course.view.plots import (
     plot_angles,
@@ -15,9 +18,14 @@ from robocon_course.view.plots import (
     plot_still,
     plot_tilt_error,
 )
+from robocon_course.view.runs import plot_distribution
 from robocon_course.view.widgets import explore
 
 __all__ = [
+    "OUR_HALF",
+    "WHOLE_FIELD",
+    "RobotPicture",
+    "draw_field",
     "draw_plan",
     "draw_robot",
     "draw_system",
@@ -25,10 +33,15 @@ __all__ = [
     "figure",
     "plot_angles",
     "plot_counter_example",
+    "plot_distribution",
     "plot_imu",
+    "plot_modules",
+    "plot_paths",
+    "plot_pose_errors",
     "plot_sphere",
     "plot_still",
     "plot_tilt_error",
+    "plot_tracking",
     "png",
     "show",
 ]

@@ -11,19 +11,17 @@ import base64
 import html
 import io
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib
-import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
-
-from robocon_course._arrays import FloatArray
 
 MINE = "#0072B2"
 """What the student's own code produced."""
@@ -62,7 +60,6 @@ STYLE = {
     "legend.frameon": False,
 }
 SHORTEST_TWIN = 20
-Lines = Mapping[str, tuple[FloatArray, str]]
 
 
 class Panel(Axes):
@@ -76,6 +73,20 @@ class Panel(Axes):
     def legend(self, *args: Any, **kw: Any) -> Any:
         """As ``Axes.legend``, with the course's defaults."""
         return super().legend(*args, **({"frameon": False, "fontsize": 10} | kw))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Animation:
+    """A moving picture, and one that stands for it where nothing can move.
+
+    Attributes
+    ----------
+    gif, still : bytes
+        Files: a GIF, and a PNG.
+    """
+
+    gif: bytes
+    still: bytes
 
 
 @contextmanager
@@ -143,12 +154,12 @@ def png(figure: Figure) -> bytes:
     return stream.getvalue()
 
 
-def show(figure: Figure, twin: str) -> None:
+def show(figure: Figure | Animation, twin: str) -> None:
     """Show a figure in the notebook, and print its text twin under it.
 
     Parameters
     ----------
-    figure : Figure
+    figure : Figure or Animation
     twin : str
         One line with the numbers that matter, at least 20 characters: what somebody learns who
         cannot see the picture. It is the picture's alt text too.
@@ -162,12 +173,18 @@ def show(figure: Figure, twin: str) -> None:
     print(f"Figure: {one_line(twin)}")
 
 
-def publish(figure: Figure, twin: str, display_id: str | None = None, update: bool = False) -> None:
+def publish(
+    figure: Figure | Animation, twin: str, display_id: str | None = None, update: bool = False
+) -> None:
     """Send a figure to the notebook, as a new output or in the place of ``display_id``.
 
     Outside a notebook nothing is sent; the twin is still checked and the figure still drawn.
     """
-    data, metadata = bundle(png(figure), one_line(twin))
+    twin = one_line(twin)
+    if isinstance(figure, Animation):
+        data, metadata = bundle(figure.still, twin, figure.gif)
+    else:
+        data, metadata = bundle(png(figure), twin)
     if pyplot := sys.modules.get("matplotlib.pyplot"):
         pyplot.close(figure)  # a student's own pyplot figure would come a second time otherwise
     if in_ipython():
@@ -177,17 +194,23 @@ def publish(figure: Figure, twin: str, display_id: str | None = None, update: bo
         publish_display_data(data, metadata, transient=transient, update=update)
 
 
-def bundle(picture: bytes, twin: str) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
-    """Data and metadata of a notebook output that holds a picture and its words.
+def bundle(
+    picture: bytes, twin: str, moving: bytes | None = None
+) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
+    """Data and metadata of a notebook output that holds a picture (PNG) and its words.
 
     JupyterLab does not pass the alt text of the metadata on to the page, so a piece of HTML
-    does; the plain PNG stays beside it for every tool that looks for pictures.
+    does; the plain PNG stays beside it for every tool that looks for pictures. Where there is a
+    moving picture (GIF), the HTML shows that one.
     """
     encoded = base64.b64encode(picture).decode("ascii")
     alt = html.escape(twin, quote=True)
+    source = f"data:image/png;base64,{encoded}"
+    if moving is not None:
+        source = f"data:image/gif;base64,{base64.b64encode(moving).decode('ascii')}"
     data = {
         "image/png": encoded,
-        "text/html": f'<img alt="{alt}" src="data:image/png;base64,{encoded}">',
+        "text/html": f'<img alt="{alt}" src="{source}">',
         "text/plain": twin,
     }
     return data, {"image/png": {"alt": twin}}
@@ -215,56 +238,3 @@ def colours_of(labels: Iterable[str]) -> dict[str, str]:
     meant = {label: MEANINGS.get(label.lower().split()[0].strip(",:")) for label in labels if label}
     free = iter([colour for colour in OTHERS if colour not in meant.values()] * len(meant))
     return {label: colour or next(free, RAW) for label, colour in meant.items()}
-
-
-def draw_lines(ax: Axes, x: FloatArray | None, lines: Lines, **style: Any) -> None:
-    """Draw lines, with their names at their right ends instead of a key to look up.
-
-    The truth becomes a broad pale band under all others: good estimates lie on it, not hide it.
-
-    Parameters
-    ----------
-    ax : Axes
-    x : ndarray, shape (n,), or None
-        None counts the samples.
-    lines : mapping of label to (values, colour)
-    **style
-        Passed on to ``Axes.plot``.
-    """
-    for values, colour in lines.values():
-        own = style | {"linewidth": 4.5, "alpha": 0.3, "zorder": 1} if colour == TRUTH else style
-        ax.plot(np.arange(values.size) if x is None else x, values, color=colour, **own)
-    ax.margins(x=0.0)
-    low, high = ax.get_ylim()
-    ends = {}
-    for label, (values, _) in lines.items():
-        tail = values[-max(1, values.size // 50) :]
-        known = tail[np.isfinite(tail)]
-        ends[label] = (known.mean() - low) / (high - low) if known.size else 0.0
-    inches = ax.get_position().height * ax.figure.get_figheight()
-    places = _spread(ends, {label: (1 + label.count("\n")) * 0.17 / inches for label in ends})
-    for label, place in places.items():
-        ax.annotate(
-            label,
-            (1, place),
-            (5, 0),
-            "axes fraction",
-            "offset points",
-            color=lines[label][1],
-            va="center",
-            fontweight="bold",
-        )
-
-
-def _spread(wanted: Mapping[str, float], heights: Mapping[str, float]) -> dict[str, float]:
-    """Places near the wanted ones at which labels of these heights do not overlap."""
-    places: dict[str, float] = {}
-    floor = 0.0
-    for label in sorted(wanted, key=lambda name: wanted[name]):
-        places[label] = max(wanted[label], floor + heights[label] / 2)
-        floor = places[label] + heights[label] / 2
-    ceiling = 1.0
-    for label in reversed(places):
-        places[label] = min(places[label], ceiling - heights[label] / 2)
-        ceiling = places[label] - heights[label] / 2
-    return places

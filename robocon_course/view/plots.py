@@ -18,28 +18,39 @@ from robocon_course.view.canvas import (
     WARN,
     XYZ,
     colours_of,
-    draw_lines,
     figure,
     png,
     show,
     styled,
 )
 from robocon_course.view.comparison import plot_counter_example
+from robocon_course.view.field_picture import OUR_HALF, WHOLE_FIELD, draw_field
+from robocon_course.view.lines import draw_lines, gaps_at_jumps
+from robocon_course.view.motion import plot_modules, plot_paths, plot_pose_errors, plot_tracking
+from robocon_course.view.runs import plot_distribution
 
 __all__ = [
     "MINE",
+    "OUR_HALF",
     "RAW",
     "REFERENCE",
     "TRUTH",
     "WARN",
+    "WHOLE_FIELD",
     "XYZ",
+    "draw_field",
     "figure",
     "plot_angles",
     "plot_counter_example",
+    "plot_distribution",
     "plot_imu",
+    "plot_modules",
+    "plot_paths",
+    "plot_pose_errors",
     "plot_sphere",
     "plot_still",
     "plot_tilt_error",
+    "plot_tracking",
     "png",
     "show",
 ]
@@ -112,7 +123,7 @@ def plot_angles(
     fig, panels = figure(7.5, 1.0 + 1.75 * count, rows=count, sharex=True, squeeze=False)
     for k, ax in enumerate(panels[:, 0]):
         lines = {
-            label: (_gaps_at_jumps(np.degrees(values[:, k])), colours[label])
+            label: (gaps_at_jumps(np.degrees(values[:, k])), colours[label])
             for label, values in columns.items()
             if k < values.shape[1]
         }
@@ -237,10 +248,3 @@ def _columns(values: ArrayLike, name: str, rows: int) -> FloatArray:
     if np.ndim(values) == 1:
         return as_floats(values, name, rows, finite=False)[:, None]
     return as_floats(values, name, rows, None, finite=False)
-
-
-def _gaps_at_jumps(degrees: FloatArray) -> FloatArray:
-    """A copy with NaN where an angle jumps from 180 to -180: no line is drawn across."""
-    broken = degrees.copy()
-    broken[1:][np.abs(np.diff(degrees)) > 180.0] = np.nan
-    return broken

@@ -1,0 +1,169 @@
+"""The robot driving on its field, as a GIF: it moves in every viewer, and no program runs."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Mapping
+from functools import cache
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+from PIL import Image, ImageDraw, ImageFont
+
+from robocon_course._arrays import FloatArray, as_floats
+from robocon_course.view.body import RobotPicture, robot_shapes
+from robocon_course.view.canvas import TRUTH, Animation, colours_of, png
+from robocon_course.view.field_picture import Window, draw_field
+from robocon_course.view.raster import Pixels, Scale, paint
+
+LARGEST_GIF = 1_000_000
+"""A notebook carries the file inside; larger ones make it slow to open [byte]."""
+LONGEST = 8.0
+"""How long an animation plays [s]; what took longer is shown faster."""
+REST = 1.2
+"""How long the last picture stays before the animation begins anew [s]."""
+COLOURS = 96
+STILL_ROBOTS = 5
+
+
+def animate(
+    time: ArrayLike,
+    poses: Mapping[str, ArrayLike],
+    *,
+    angles: ArrayLike | None = None,
+    speeds: ArrayLike | None = None,
+    beams: ArrayLike | None = None,
+    markers: Mapping[str, ArrayLike] | None = None,
+    window: Window | None = None,
+    frames: int = 80,
+) -> Animation:
+    """Robots driving along their paths, for `show`.
+
+    The paths are there from the first picture on. Where nothing can move, a still picture shows
+    the first robot at several moments.
+
+    Parameters
+    ----------
+    time : array_like, shape (n,)  [s]
+        Increasing. Up to 8 s play as fast as they were, longer ones are shown faster.
+    poses : mapping of label to array_like, shape (n, 3)  [m, m, rad; map]
+        A robot per label, its colour as in `draw_field`.
+    angles, speeds : array_like, shape (n, 4), optional  [rad, base; m/s]
+        Modules of the first robot.
+    beams : array_like, shape (n, k), optional  [m]
+        What the first robot's LiDARs measured.
+    markers : mapping of label to array_like, shape (2,) or (k, 2), optional  [m, map]
+        As in `draw_field`.
+    window : (x0, x1, y0, y1), optional  [m, map]
+        As in `draw_field`.
+    frames : int
+        Pictures at most; fewer where the file would become too large.
+
+    Returns
+    -------
+    Animation
+
+    Raises
+    ------
+    ValueError
+        Times that do not increase, series of another length, or a path that cannot be drawn.
+    """
+    time = as_floats(time, "time", None)
+    if time.size < 2 or not (np.diff(time) > 0.0).all():
+        raise ValueError("time: expected at least two increasing times")
+    tracks = {label: as_floats(path, label, time.size, 3) for label, path in poses.items()}
+    extras = [
+        None if values is None else as_floats(values, name, time.size, None)
+        for name, values in (("angles", angles), ("speeds", speeds), ("beams", beams))
+    ]
+    colours = colours_of(tracks)
+
+    def robots_at(k: int) -> Iterator[RobotPicture]:
+        """The robots at sample k, the first on top."""
+        for place, (label, path) in reversed(list(enumerate(tracks.items()))):
+            parts = [None if place or extra is None else extra[k] for extra in extras]
+            yield RobotPicture(path[k], *parts, colour=colours[label])
+
+    label, first = next(iter(tracks.items()))
+    few = np.linspace(0, time.size - 1, STILL_ROBOTS).astype(int)
+    some = [RobotPicture(first[k], colour=colours[label]) for k in few]
+    place = {"markers": markers, "window": window}
+    still = png(draw_field(tracks, some, **place))
+    backdrop, scale, inside = _backdrop(draw_field(tracks, **place))
+    for count in (frames, frames * 2 // 3, frames // 2, frames // 4):
+        chosen = np.searchsorted(time, np.linspace(time[0], time[-1], max(count, 2)))
+        scenes = ((time[k], robots_at(k)) for k in chosen.clip(0, time.size - 1))
+        gif = _gif([_frame(backdrop, scale, inside, *scene) for scene in scenes], time)
+        if len(gif) <= LARGEST_GIF:
+            return Animation(gif, still)
+    raise ValueError(
+        f"animate: {len(gif)} bytes even with {count} frames; choose a smaller window or fewer"
+    )
+
+
+def _backdrop(fig: Figure) -> tuple[Pixels, Scale, tuple[slice, slice]]:
+    """A figure as pixels, where the map lies in it, and the part that is field."""
+    canvas = FigureCanvasAgg(fig)
+    canvas.draw()
+    picture = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+    ax, height = fig.axes[0], picture.shape[0]
+    (left, bottom), (right, _) = ax.transData.transform([(0.0, 0.0), (1.0, 0.0)])
+    box = ax.get_window_extent()
+    rows = slice(max(0, round(height - box.y1)), round(height - box.y0))
+    inside = rows, slice(max(0, round(box.x0)), round(box.x1))
+    return picture, Scale(right - left, left, height - bottom), inside
+
+
+def _frame(
+    backdrop: Pixels,
+    scale: Scale,
+    inside: tuple[slice, slice],
+    now: float,
+    robots: Iterator[RobotPicture],
+) -> Image.Image:
+    picture = backdrop.copy()
+    field = picture[inside].copy()
+    moved = Scale(scale.per_metre, scale.left - inside[1].start, scale.bottom - inside[0].start)
+    for robot in robots:
+        paint(field, robot_shapes(robot), moved)
+    picture[inside] = field
+    image = Image.fromarray(picture)
+    words = {"anchor": "rd", "fill": TRUTH, "font": _font()}
+    corner = (inside[1].stop - 2, inside[0].start - 6)
+    ImageDraw.Draw(image).text(corner, f"{now:.1f} s", **words)
+    return image
+
+
+@cache
+def _font() -> ImageFont.FreeTypeFont:
+    from matplotlib import font_manager
+
+    return ImageFont.truetype(font_manager.findfont("DejaVu Sans"), 14)
+
+
+def _gif(images: list[Image.Image], time: FloatArray) -> bytes:
+    """A GIF that repeats for ever, with one table of colours for all its pictures."""
+    colours = _table(images[:: max(1, len(images) // 8)])
+    flat = [image.quantize(palette=colours, dither=Image.Dither.NONE) for image in images]
+    pace = 1000.0 * min(LONGEST, time[-1] - time[0]) / (len(images) - 1)
+    each = 10 * max(2, round(pace / 10))  # a GIF counts hundredths of a second
+    pauses = [each] * (len(flat) - 1) + [each + int(1000 * REST)]
+    stream = io.BytesIO()
+    flat[0].save(
+        stream, "gif", save_all=True, append_images=flat[1:], duration=pauses, loop=0, disposal=1
+    )
+    return stream.getvalue()
+
+
+def _table(images: list[Image.Image]) -> Image.Image:
+    """The most frequent colours as they are: surfaces stay exact, only smooth edges are rounded."""
+    pixels = np.vstack([np.asarray(image).reshape(-1, 3) for image in images]).astype(np.int64)
+    packed, counts = np.unique(pixels @ (1 << 16, 1 << 8, 1), return_counts=True)
+    chosen = packed[np.argsort(-counts, kind="stable")[:COLOURS]]
+    table = Image.new("P", (1, 1))
+    table.putpalette(
+        np.column_stack([chosen >> 16, chosen >> 8 & 255, chosen & 255]).ravel().tolist()
+    )
+    return table

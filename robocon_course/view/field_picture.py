@@ -1,0 +1,195 @@
+"""The game field from above in its true colours, with paths, robots and markers on it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+from matplotlib.patheffects import Normal, Stroke
+from numpy.typing import ArrayLike, NDArray
+
+from robocon_course import field
+from robocon_course._arrays import FloatArray, as_floats
+from robocon_course.robot import SIDE
+from robocon_course.view.body import RobotPicture, robot_shapes
+from robocon_course.view.canvas import TRUTH, colours_of, figure, styled
+
+Window = tuple[float, float, float, float]
+Robots = RobotPicture | ArrayLike | Iterable[RobotPicture]
+
+RIM = field.FENCE_THICKNESS
+WHOLE_FIELD: Window = (-RIM, field.SIZE + RIM, -RIM, field.SIZE + RIM)
+"""Both halves with their fences; for `draw_field`'s window."""
+OUR_HALF: Window = (-RIM, 6.2, -RIM, field.SIZE + RIM)
+"""Our half up to the silos."""
+LARGEST = (5.9, 6.6)
+"""Width and height of the field's picture itself [inch], without axes and key."""
+SMALLEST_WINDOW = 2.4
+PALE = 0.4
+
+
+@styled()
+def draw_field(
+    paths: Mapping[str, ArrayLike] | None = None,
+    robot: Robots | None = None,
+    *,
+    markers: Mapping[str, ArrayLike] | None = None,
+    window: Window | None = None,
+    pale: float = PALE,
+    ax: Axes | None = None,
+) -> Figure:
+    """The game field from above with what is given drawn on it, axes in metres.
+
+    Parameters
+    ----------
+    paths : mapping of label to array_like, shape (n, 2) or (n, 3)  [m, map]
+        Points or poses; NaN leaves a gap. A label that begins with mine, reference, truth, raw
+        or wrong gets the colour that means this in all chapters.
+    robot : RobotPicture, pose, or several RobotPictures
+    markers : mapping of label to array_like, shape (2,) or (n, 2)  [m, map]
+        Rings with their label beside the first.
+    window : (x0, x1, y0, y1), optional  [m, map]
+        What is shown; without it what is drawn and a little around it, `WHOLE_FIELD` if nothing is.
+    pale : float, 0 to 1
+        How far the floor is mixed with white, so that what is drawn stands out.
+    ax : Axes, optional
+        A panel to draw into; without it a figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    ValueError
+        A window without area, or what is drawn is not of the stated shape.
+    """
+    tracks = {label: track(path, label) for label, path in (paths or {}).items()}
+    rings = {label: track(np.atleast_2d(at), label) for label, at in (markers or {}).items()}
+    robots = _robots(robot)
+    window = _window(window, [*tracks.values(), *rings.values()], robots)
+    if ax is None:
+        ax = figure(*_size(window, len(tracks)))[1]
+    _draw_ground(ax, window, pale)
+    draw_tracks(ax, tracks)
+    for one in robots:
+        for shape in robot_shapes(one):
+            style = {"color": shape.colour, "alpha": shape.opacity, "linewidth": 0.0, "zorder": 5}
+            ax.add_patch(Polygon(shape.corners, **style))
+    for label, points in rings.items():
+        draw_rings(ax, label, points)
+    return ax.figure
+
+
+@cache
+def ground() -> NDArray[np.uint8]:
+    """The field's picture at 10 mm, drawn once: row 0 at the smallest y."""
+    picture = field.picture()
+    picture.setflags(write=False)
+    return picture
+
+
+def _robots(robot: Robots | None) -> list[RobotPicture]:
+    if robot is None:
+        return []
+    if isinstance(robot, RobotPicture):
+        return [robot]
+    several = list(robot)
+    if several and all(isinstance(one, RobotPicture) for one in several):
+        return several
+    return [RobotPicture(as_floats(robot, "robot", 3))]
+
+
+def track(points: ArrayLike, label: str) -> FloatArray:
+    """The x and y of points or poses."""
+    width = 3 if np.ndim(points) == 2 and np.shape(points)[1] == 3 else 2
+    return as_floats(points, label, None, width, finite=False)[:, :2]
+
+
+def _window(
+    window: Window | None, drawn: Iterable[FloatArray], robots: list[RobotPicture]
+) -> Window:
+    """The wanted window, or a fitting one."""
+    if window is not None:
+        x0, x1, y0, y1 = as_floats(window, "window", 4)
+        if not (x0 < x1 and y0 < y1):
+            raise ValueError(f"window: expected (x0, x1, y0, y1) with x0 < x1, y0 < y1; {window}")
+        return x0, x1, y0, y1
+    places = [np.asarray(one.pose, float)[None, :2] for one in robots]
+    known = np.vstack([*drawn, *places, np.empty((0, 2))])
+    known = known[np.isfinite(known).all(axis=1)]
+    if not known.size:
+        return WHOLE_FIELD
+    low, high = known.min(axis=0) - SIDE, known.max(axis=0) + SIDE
+    more = np.maximum(0.0, SMALLEST_WINDOW - (high - low)) / 2
+    (x0, y0), (x1, y1) = low - more, high + more
+    # A strip of empty page beside the field shows nothing.
+    (x0, x1), (y0, y1) = _moved_inside(x0, x1), _moved_inside(y0, y1)
+    return x0, x1, y0, y1
+
+
+def _moved_inside(low: float, high: float) -> tuple[float, float]:
+    first, last = WHOLE_FIELD[:2]
+    shift = max(0.0, first - low) - max(0.0, high - last)
+    return max(first, low + shift), min(last, high + shift)
+
+
+def _size(window: Window, entries: int) -> tuple[float, float]:
+    """Size of a figure whose field is as large as allowed."""
+    width, height = window[1] - window[0], window[3] - window[2]
+    scale = min(LARGEST[0] / width, LARGEST[1] / height)
+    return scale * width + 0.75, scale * height + 0.6 + 0.25 * (entries > 0)
+
+
+def _draw_ground(ax: Axes, window: Window, pale: float) -> None:
+    picture, origin = ground(), WHOLE_FIELD[0]
+    cells = len(picture) / (WHOLE_FIELD[1] - origin)
+    low = [max(0, int((edge - origin) * cells)) for edge in window[::2]]
+    high = [int((edge - origin) * cells) + 1 for edge in window[1::2]]
+    part = picture[low[1] : high[1], low[0] : high[0]]  # the rest would only cost time
+    if part.size:
+        shown = (part * (1.0 - pale) + 255.0 * pale).astype(np.uint8)
+        x, y = (origin + np.array(low) / cells).tolist()
+        extent = (x, x + part.shape[1] / cells, y, y + part.shape[0] / cells)
+        ax.imshow(shown, origin="lower", extent=extent, interpolation="antialiased")
+    ax.set(xlim=window[:2], ylim=window[2:], aspect="equal", xlabel="x [m]", ylabel="y [m]")
+    step = 0.5 if min(window[1] - window[0], window[3] - window[2]) <= 3.5 else 1.0
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(every(step))
+    ax.grid(color="black", linewidth=0.6, alpha=0.1)  # paler than any line of the field
+    ax.spines[:].set_visible(False)
+
+
+def every(step: float):
+    from matplotlib.ticker import MultipleLocator
+
+    return MultipleLocator(step)
+
+
+def draw_tracks(ax: Axes, tracks: Mapping[str, FloatArray]) -> None:
+    """Paths with a pale rim, the truth broad below them, and a key above the picture."""
+    colours = colours_of(tracks)
+    for label, points in tracks.items():
+        true = colours[label] == TRUTH
+        line = {"linewidth": 5.0, "alpha": 0.45, "zorder": 2} if true else {"linewidth": 2.2}
+        halo = [] if true else [Stroke(linewidth=4.4, foreground="white"), Normal()]
+        style = {"color": colours[label], "path_effects": halo, "zorder": 3} | line
+        ax.plot(points[:, 0], points[:, 1], label=label, solid_joinstyle="round", **style)
+    if tracks:
+        longest = max(len(label) for label in tracks)
+        columns = max(1, int(ax.figure.get_figwidth() / (0.55 + 0.085 * longest)))
+        place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "borderaxespad": 0.2}
+        ax.legend(ncols=columns, handlelength=1.4, columnspacing=1.2, **place)
+
+
+def draw_rings(ax: Axes, label: str, points: FloatArray) -> None:
+    ring = {"markersize": 10, "markerfacecolor": "white", "markeredgewidth": 2.2, "zorder": 6}
+    ax.plot(points[:, 0], points[:, 1], "o", color=TRUTH, **ring)
+    halo = [Stroke(linewidth=3.0, foreground="white"), Normal()]
+    words = {"va": "center", "fontweight": "bold", "path_effects": halo, "zorder": 7}
+    x, y = points[0]
+    ax.annotate(label, (x, y), (9, 0), "data", "offset points", clip_on=True, **words)
