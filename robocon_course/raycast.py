@@ -63,27 +63,27 @@ def walk(height, x, y, z, dx, dy, dz, reach, cells):
     every_y = 1.0 / abs(dy) if dy != 0.0 else inf
     next_x = (col + 1 - x if dx > 0.0 else x - col) * every_x if dx != 0.0 else inf
     next_y = (row + 1 - y if dy > 0.0 else y - row) * every_y if dy != 0.0 else inf
+    falls = dz < 0.0
     t, visited = 0.0, 0
-    while 0 <= row < rows and 0 <= col < cols:
+    while 0 <= row < rows and 0 <= col < cols and t < reach:
         if visited < room:
             cells[visited, 0] = row
             cells[visited, 1] = col
         visited += 1
+        across = next_x < next_y
+        leave = next_x if across else next_y
         top = height[row, col]
-        if top > z + dz * t:
-            return t, visited
-        leave = min(next_x, next_y, reach)
-        if top > z + dz * leave:
-            return max(t, (top - z) / dz), visited
-        if leave == reach:
-            break
-        if next_x < next_y:
+        if top > z + dz * (leave if falls else t):  # the ray's lowest point in this cell
+            if top > z + dz * t:
+                return t, visited
+            return min((top - z) / dz, reach), visited
+        t = leave
+        if across:
             col += step_x
             next_x += every_x
         else:
             row += step_y
             next_y += every_y
-        t = leave
     return reach, visited
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.field import layout
 from robocon_course.field.layout import Rect
-from robocon_course.gridmap import GridMap, checked_resolution
+from robocon_course.gridmap import GridMap
 
 ORIGIN = (-layout.FENCE_THICKNESS, -layout.FENCE_THICKNESS)
 """Outer corner of the rasters' cell (0, 0) [m, map]."""
@@ -66,7 +66,6 @@ def floor_height(x: ArrayLike, y: ArrayLike) -> FloatArray:
     return height
 
 
-@cache
 def obstacle_map(resolution: float = 0.01) -> GridMap:
     """Where the chassis may be: a cell that an obstacle overlaps, however little, is not free.
 
@@ -85,7 +84,12 @@ def obstacle_map(resolution: float = 0.01) -> GridMap:
     ValueError
         A resolution that does not divide 12.1 m.
     """
-    count = _cells_across(resolution)
+    return _obstacle_map(_cells_across(resolution), float(resolution))
+
+
+@cache
+def _obstacle_map(count: int, resolution: float) -> GridMap:
+    """`obstacle_map`, once per resolution."""
     free = np.ones((count, count), dtype=bool)
     for rect in layout.OBSTACLES:
         edges = (np.array(rect[1:5]) - (*ORIGIN, *ORIGIN)) / resolution
@@ -95,7 +99,6 @@ def obstacle_map(resolution: float = 0.01) -> GridMap:
     return GridMap(free, resolution, ORIGIN)
 
 
-@cache
 def height_map(resolution: float = 0.01) -> NDArray[np.float32]:
     """Height of the highest thing at every place: what a beam of light can hit.
 
@@ -117,7 +120,13 @@ def height_map(resolution: float = 0.01) -> NDArray[np.float32]:
     ValueError
         A resolution that does not divide 12.1 m.
     """
-    x, y = _middles(resolution)
+    return _height_map(_cells_across(resolution))
+
+
+@cache
+def _height_map(count: int) -> NDArray[np.float32]:
+    """`height_map`, once per resolution."""
+    x, y = _middles(count)
     height = floor_height(x, y)
     for rect in (layout.WATER_FRAME, layout.WATER, layout.WATER_BACK, *_STANDING):
         height[_inside(rect, x, y)] = rect.height
@@ -134,7 +143,8 @@ _STANDING = (*layout.FENCES, layout.SEEDLING_RACK)
 
 def _cells_across(resolution: float) -> int:
     """How many cells the rasters have on a side."""
-    count = SPAN / checked_resolution(resolution)
+    resolution = float(as_floats(resolution, "resolution"))
+    count = SPAN / resolution if resolution > 0.0 else 0.0
     if count < 1.0 or abs(count - round(count)) > 1e-6:
         raise ValueError(
             f"resolution: must divide {SPAN:.1f} m into whole cells (0.01 or 0.05, say), "
@@ -143,9 +153,8 @@ def _cells_across(resolution: float) -> int:
     return round(count)
 
 
-def _middles(resolution: float) -> tuple[FloatArray, FloatArray]:
+def _middles(count: int) -> tuple[FloatArray, FloatArray]:
     """Coordinates x (1, n) and y (n, 1) of the middles of the cells."""
-    count = _cells_across(resolution)
     ticks = ORIGIN[0] + (np.arange(count) + 0.5) * (SPAN / count)
     return ticks[None, :], ticks[:, None]
 

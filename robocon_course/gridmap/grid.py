@@ -1,20 +1,16 @@
-"""Where may the robot drive? A bitmap with a scale: free cells and all the others.
+"""A map of square cells: from points to cells and back, and room for a robot with a size.
 
 Cell (row, col) covers the square from origin + resolution (col, row) to one resolution further, so
 row 0 lies at the smallest y and a point (x, y) belongs to
 
     col = floor((x - x0) / resolution),    row = floor((y - y0) / resolution)
 
-On disk it is the pair of files that ROS uses: a YAML text, and an image whose top row is the
-largest y. Unknown is not free, and neither is anything outside the map.
-
-Source: map_server of ROS, map format, https://wiki.ros.org/map_server.
+Anything outside the map is not free.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -57,8 +53,11 @@ class GridMap:
             )
         free.setflags(write=False)
         x, y = as_floats(self.origin, "origin", 2)
+        resolution = float(as_floats(self.resolution, "resolution"))
+        if resolution <= 0.0:
+            raise ValueError(f"resolution: must be a positive number of metres, got {resolution}")
         object.__setattr__(self, "free", free)
-        object.__setattr__(self, "resolution", checked_resolution(self.resolution))
+        object.__setattr__(self, "resolution", resolution)
         object.__setattr__(self, "origin", (float(x), float(y)))
 
     @property
@@ -158,28 +157,6 @@ class GridMap:
         """Cells (row, col) of points, as floats: a point that is not finite may pass."""
         points = as_vectors(xy, "xy", 2)
         return np.floor((points - self.origin) / self.resolution)[..., ::-1]
-
-
-def checked_resolution(resolution: float) -> float:
-    """The side of a cell, if it can be one.
-
-    Parameters
-    ----------
-    resolution : float  [m]
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    ValueError
-        Not a positive, finite number.
-    """
-    resolution = float(as_floats(resolution, "resolution"))
-    if not 0.0 < resolution < inf:
-        raise ValueError(f"resolution: must be a positive number of metres, got {resolution!r}")
-    return resolution
 
 
 def inflate(grid: GridMap, radius: float) -> GridMap:

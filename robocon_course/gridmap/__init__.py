@@ -1,0 +1,12 @@
+"""Where may the robot drive? A bitmap with a scale: free cells and all the others.
+
+=========  =================================================
+``grid``   the map, from points to cells and back, inflating
+``files``  ROS map files in and out
+=========  =================================================
+"""
+
+from robocon_course.gridmap.files import load_map, save_map
+from robocon_course.gridmap.grid import GridMap, inflate
+
+__all__ = ["GridMap", "inflate", "load_map", "save_map"]
