@@ -8,9 +8,19 @@ Errors of size and place of the wheels add up with the way, which calibration me
 ===============  ===========================================================
 ``wheels``       `TrackingWheels`, counters that wrap around, travel
 ``motion``       travel -> motion of the body -> poses; velocity; `Odometry`
+``calibration``  true sizes from a run and a spin, or from a drive with known poses
+``heading``      gyroscope and wheels together
 ===============  ===========================================================
 """
 
+from robocon_course.odometry.calibration import SizePrior, calibrate_wheels, self_calibrate
+from robocon_course.odometry.heading import (
+    HeadingGains,
+    HeadingLog,
+    HeadingState,
+    estimate_heading,
+    fuse_heading,
+)
 from robocon_course.odometry.motion import (
     Odometry,
     body_deltas,
@@ -21,12 +31,20 @@ from robocon_course.odometry.motion import (
 from robocon_course.odometry.wheels import TrackingWheels, tick_changes, wheel_travel
 
 __all__ = [
+    "HeadingGains",
+    "HeadingLog",
+    "HeadingState",
     "Odometry",
+    "SizePrior",
     "TrackingWheels",
     "body_deltas",
     "body_velocity",
+    "calibrate_wheels",
+    "estimate_heading",
+    "fuse_heading",
     "integrate",
     "integrate_arcs",
+    "self_calibrate",
     "tick_changes",
     "wheel_travel",
 ]
