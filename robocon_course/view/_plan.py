@@ -1,19 +1,19 @@
-"""The game field from above."""
+"""The game field from above, with everything named: chapter 00's first picture."""
 
 from __future__ import annotations
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Polygon, Rectangle
-from matplotlib.transforms import Affine2D, Transform
+from matplotlib.patches import Circle, Rectangle
 from numpy.typing import ArrayLike
 
 from robocon_course import field
 from robocon_course._arrays import FloatArray, as_floats
+from robocon_course.robot import SIDE
 from robocon_course.view.canvas import MINE, TRUTH, figure, styled
+from robocon_course.view.field_picture import WHOLE_FIELD, draw_ground
 
-ROBOT_SIZE = 0.65
-PALE = 0.62
+PALE = 0.55
 """How far the opponent's half is mixed with white."""
 
 
@@ -31,21 +31,21 @@ def draw_plan(way: ArrayLike | None = field.WAY_TO_AREA_3) -> Figure:
     Figure
     """
     fig, ax = figure(8.2, 7.9)
-    ax.set(xlim=(-0.12, 12.12), ylim=(-0.12, 12.12), aspect="equal")
-    ax.set(xticks=range(0, 13), yticks=range(0, 13), xlabel="x [m]", ylabel="y [m]")
+    draw_ground(ax, WHOLE_FIELD, pale=0.0)
     ax.grid(visible=False)
-    ax.spines[["left", "bottom"]].set_visible(False)
-    rim, size = field.FENCE_THICKNESS, field.SIZE + 2 * field.FENCE_THICKNESS
-    ax.add_patch(Rectangle((-rim, -rim), size, size, color=_paint(field.GREY)))
-    mirrored = Affine2D().scale(-1.0, 1.0).translate(field.SIZE, 0.0) + ax.transData
-    _draw_half(ax, mirrored, PALE)
-    _draw_half(ax, ax.transData, 0.0)
+    right, top = field.SILO_ZONE.x1, WHOLE_FIELD[3]
+    veil = {"color": "white", "alpha": PALE, "linewidth": 0.0, "zorder": 3}
+    low = WHOLE_FIELD[0]
+    ax.add_patch(Rectangle((right, low), WHOLE_FIELD[1] - right, top - low, **veil))
+    _draw_balls(ax)
+    _draw_slopes(ax)
     for number, silo in enumerate(field.SILOS, start=1):
         style = {"facecolor": "white", "edgecolor": TRUTH, "linewidth": 1.4, "zorder": 4}
         ax.add_patch(Circle(silo, field.SILO_DIAMETER / 2, **style))
         ax.text(*silo, str(number), ha="center", va="center_baseline", fontsize=8, zorder=5)
     for x, y, words, style in PLAN_WORDS:
-        ax.text(x, y, words, **{"ha": "center", "va": "center", "color": TRUTH} | style)
+        style = {"ha": "center", "va": "center", "color": TRUTH, "zorder": 5} | style
+        ax.text(x, y, words, **style)
     if way is not None:
         _draw_way(ax, as_floats(way, "way", None, 2))
     return fig
@@ -76,60 +76,43 @@ PLAN_WORDS = (
 )
 
 
-def _paint(colour: field.Colour, pale: float = 0.0) -> tuple[float, ...]:
-    """A colour mixed with white; the pale half is the blue team's."""
-    colour = field.BLUE if pale and colour == field.RED else colour
-    return tuple((c + (255 - c) * pale) / 255 for c in colour)
+def _draw_balls(ax: Axes) -> None:
+    """The balls where the rulebook's picture has them, on both sides."""
+    balls = zip(
+        field.PILE_BALLS + field.HARVEST_SPOTS,
+        field.PILE_EXAMPLE + field.HARVEST_EXAMPLE,
+        strict=True,
+    )
+    for (x, y), colour in balls:
+        other = field.BLUE if colour == field.RED else colour
+        for place, paint in (((x, y), colour), ((field.SIZE - x, y), other)):
+            style = {"facecolor": [part / 255 for part in paint], "edgecolor": "white"}
+            zorder = 4 if paint is colour and place[0] == x else 2
+            size = field.BALL_DIAMETER / 2
+            ax.add_patch(Circle(place, size, linewidth=0.6, zorder=zorder, **style))
 
 
-def _draw_half(ax: Axes, transform: Transform, pale: float) -> None:
-    """One team's half: ours in its true colours, or the opponent's mirrored and pale."""
-    for rect in (*field.FLOOR, field.WATER_FRAME, field.WATER, *field.ZONES):
-        outlined = rect in field.ZONES or any(rect.slope)
-        edge = {"edgecolor": "#00000040", "linewidth": 0.8 if outlined else 0.0}
-        size = rect.x1 - rect.x0, rect.y1 - rect.y0
-        style = edge | {"facecolor": _paint(rect.colour, pale), "transform": transform}
-        ax.add_patch(Rectangle((rect.x0, rect.y0), *size, **style))
-    _draw_strokes(ax, transform, pale)
-    for holes, diameter in (
-        (field.SEEDLING_HOLES, field.HOLE_DIAMETER),
-        (field.PLANTING_SPOTS, field.SPOT_DIAMETER),
-    ):
-        for hole in holes:
-            ax.add_patch(Circle(hole, diameter / 2, color="white", transform=transform))
-    half, (x, y) = field.PILE_HALF_DIAGONAL, field.PILE
-    corners = [(x - half, y), (x, y - half), (x + half, y), (x, y + half)]
-    frame = {"facecolor": "none", "edgecolor": _paint(field.GREY, pale), "linewidth": 3.0}
-    ax.add_patch(Polygon(corners, transform=transform, **frame))
-    balls = field.PILE_BALLS + field.HARVEST_SPOTS
-    for ball, colour in zip(balls, field.PILE_EXAMPLE + field.HARVEST_EXAMPLE, strict=True):
-        style = {"facecolor": _paint(colour, pale), "edgecolor": "white", "linewidth": 0.6}
-        ax.add_patch(Circle(ball, field.BALL_DIAMETER / 2, transform=transform, **style))
-
-
-def _draw_strokes(ax: Axes, transform: Transform, pale: float) -> None:
-    """Arrow heads up the ramps, edges of the steps, and the white lines."""
-    dark = {"color": TRUTH, "alpha": 0.55 * (1.0 - pale), "transform": transform}
+def _draw_slopes(ax: Axes) -> None:
+    """Edges of slopes, arrow heads up the ramps, and the edges of the steps."""
+    dark = {"color": TRUTH, "alpha": 0.55, "zorder": 4}
+    for slope in (field.RAMP_1, field.RAMP_2, field.SIDE_SLOPE):
+        size = slope.x1 - slope.x0, slope.y1 - slope.y0
+        edge = {"edgecolor": "#00000050", "facecolor": "none", "linewidth": 0.8}
+        ax.add_patch(Rectangle((slope.x0, slope.y0), *size, **edge))
     for ramp in (field.RAMP_1, field.RAMP_2):
         x, _ = ramp.centre
         for y in (ramp.y0 + 0.35, ramp.y0 + 0.6, ramp.y0 + 0.85):
             ax.plot((x - 0.28, x, x + 0.28), (y - 0.16, y, y - 0.16), linewidth=1.4, **dark)
-    white = {"color": "white", "solid_capstyle": "butt", "transform": transform}
-    for lines, style in (
-        (field.STEPS, dark | {"linewidth": 2.2}),
-        (field.GUIDE_LINES + field.FRAME_LINES, white | {"linewidth": 1.6}),
-        (field.ROBOT_1_LINES, white | {"linewidth": 0.8, "alpha": 0.7}),
-    ):
-        for line in lines:
-            ax.plot((line.x0, line.x1), (line.y0, line.y1), **style)
+    for step in field.STEPS:
+        ax.plot((step.x0, step.x1), (step.y0, step.y1), linewidth=2.2, **dark)
 
 
 def _draw_way(ax: Axes, way: FloatArray) -> None:
     ax.plot(way[:, 0], way[:, 1], ":", color=MINE, linewidth=2.6, zorder=6)
     x, y = way[0]
-    half = ROBOT_SIZE / 2
+    half = SIDE / 2
     body = {"facecolor": "#FFFFFFE0", "edgecolor": MINE, "linewidth": 2.0, "zorder": 7}
-    ax.add_patch(Rectangle((x - half, y - half), ROBOT_SIZE, ROBOT_SIZE, **body))
+    ax.add_patch(Rectangle((x - half, y - half), SIDE, SIDE, **body))
     words = {"ha": "center", "va": "center", "fontweight": "bold", "color": MINE, "zorder": 8}
     ax.text(x, y, "R2", **words)
     ring = {"markersize": 11, "markerfacecolor": "white", "markeredgewidth": 2.4}

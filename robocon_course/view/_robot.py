@@ -11,25 +11,24 @@ from matplotlib.patches import Circle, FancyArrow, FancyBboxPatch, Rectangle, We
 from matplotlib.transforms import Affine2D, Transform
 
 from robocon_course.field import BALL_DIAMETER
+from robocon_course.robot import DEAD_WHEELS, LIDARS, MODULES, SIDE
+from robocon_course.view.body import BODY, RUBBER, STEEL
 from robocon_course.view.canvas import MINE, TRUTH, WARN, XYZ, figure, styled
 
-SIZE = 0.65
-MODULE = 0.235
-SIDE_WHEEL = 0.5377 / 2
-REAR_WHEEL = 0.2745
+(_, SIDE_WHEEL), _, (_REAR, _) = DEAD_WHEELS.positions.tolist()
+REAR_WHEEL = -_REAR
 TWIST = (0.8, 0.35, 1.1)
 """Forward, left, turning: the motion that the arrows of the wheels belong to."""
-BODY, STEEL, RUBBER, ORANGE = "#EEF1F4", "#5C6670", "#30363C", "#E69F00"
+ORANGE = "#E69F00"
 LABELS = (  # words, where they stand, what they point at; on the page: right, up
     ("gripper,\nholds one ball", (0.47, 0.57), (0.12, 0.47)),
     ("camera on a servo\n(06 vision)", (0.47, 0.40), (0.035, 0.225)),
     ("swerve module, one of four:\nturns and drives (03 swerve)", (0.47, 0.22), (0.30, 0.235)),
     ("right dead wheel\n(02 odometry)", (0.47, 0.05), (0.29, 0.0)),
-    ("LiDAR to the right\n(02, 08, 09)", (0.47, -0.23), (0.33, -0.13)),
-    ("LiDAR to the front\n(02, 08, 09)", (-0.47, 0.40), (-0.14, 0.31)),
-    ("arrows: where the wheels roll\nin one motion of the body", (-0.47, 0.22), (-0.325, 0.27)),
-    ("left dead wheel\n(02 odometry)", (-0.47, 0.05), (-0.29, 0.0)),
-    ("phone with IMU\n(01 IMU)", (-0.47, -0.11), (-0.045, -0.05)),
+    ("LiDAR, one of four:\none to each side (02, 08, 09)", (-0.47, 0.41), (-0.14, 0.31)),
+    ("arrows: where the wheels roll\nin one motion of the body", (-0.47, 0.235), (-0.325, 0.27)),
+    ("left dead wheel\n(02 odometry)", (-0.47, 0.025), (-0.29, 0.0)),
+    ("phone with IMU\n(01 IMU)", (-0.47, -0.14), (-0.045, -0.05)),
     ("dead wheel across,\nbehind the centre", (-0.47, -0.41), (-0.03, -0.287)),
 )
 
@@ -42,16 +41,17 @@ def draw_robot() -> Figure:
     -------
     Figure
     """
-    fig, ax = figure(8.2, 5.6)
-    ax.set(xlim=(-0.98, 0.98), ylim=(-0.56, 0.72), aspect="equal")
+    fig, ax = figure(8.2, 6.2)
+    ax.set(xlim=(-0.98, 0.98), ylim=(-0.72, 0.72), aspect="equal")
     ax.set_axis_off()
     robot = Affine2D().rotate_deg(90.0) + ax.transData
     _draw_views(ax, robot)
     _draw_body(ax, robot)
-    for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1)):
-        _draw_module(ax, robot, x * MODULE, y * MODULE)
-    for x, y, angle in ((0.0, SIDE_WHEEL, 0.0), (0.0, -SIDE_WHEEL, 0.0), (-REAR_WHEEL, 0.0, 90.0)):
-        _draw_box(ax, robot, (x, y), (0.075, 0.028), angle, facecolor=ORANGE, edgecolor=TRUTH)
+    for x, y in MODULES.tolist():
+        _draw_module(ax, robot, x, y)
+    rolling = np.degrees(DEAD_WHEELS.directions).tolist()
+    for place, angle in zip(DEAD_WHEELS.positions.tolist(), rolling, strict=True):
+        _draw_box(ax, robot, place, (0.075, 0.028), angle, facecolor=ORANGE, edgecolor=TRUTH)
     _draw_axes(ax, robot)
     _draw_sizes(ax)
     for words, place, target in LABELS:
@@ -77,23 +77,24 @@ def _draw_box(
 def _draw_views(ax: Axes, robot: Transform) -> None:
     """What camera and LiDARs see; the beams are as narrow as the real ones, 3.6 degrees."""
     ax.add_patch(Wedge((0.225, 0.0), 0.46, -32, 32, color=MINE, alpha=0.10, transform=robot))
-    for x, y, angle in ((0.31, 0.14, 0.0), (-0.12, -0.31, -90.0)):
+    for mount in LIDARS:
         beam = {"color": WARN, "alpha": 0.45, "linewidth": 0.0, "transform": robot}
-        ax.add_patch(Wedge((x, y), 0.36, angle - 1.8, angle + 1.8, **beam))
+        angle = np.degrees(mount.angle)
+        ax.add_patch(Wedge((mount.x, mount.y), 0.22, angle - 1.8, angle + 1.8, **beam))
 
 
 def _draw_body(ax: Axes, robot: Transform) -> None:
-    half, shape = SIZE / 2, "round,pad=0,rounding_size=0.05"
+    half, shape = SIDE / 2, "round,pad=0,rounding_size=0.05"
     style = {"facecolor": BODY, "edgecolor": STEEL, "linewidth": 2.0, "transform": robot}
-    ax.add_patch(FancyBboxPatch((-half, -half), SIZE, SIZE, shape, **style))
+    ax.add_patch(FancyBboxPatch((-half, -half), SIDE, SIDE, shape, **style))
     for y in (-0.115, 0.115):
         _draw_box(ax, robot, (0.415, y), (0.18, 0.022), color=STEEL)
     ball = {"facecolor": "#F03241", "edgecolor": "white", "transform": robot}
     ax.add_patch(Circle((0.445, 0.0), BALL_DIAMETER / 2, **ball))
     _draw_box(ax, robot, (0.225, 0.0), (0.045, 0.09), color=RUBBER)
     ax.add_patch(Circle((0.25, 0.0), 0.018, color=MINE, transform=robot))
-    for centre, angle in (((0.30, 0.14), 0.0), ((-0.12, -0.30), -90.0)):
-        _draw_box(ax, robot, centre, (0.03, 0.06), angle, color=WARN)
+    for mount in LIDARS:
+        _draw_box(ax, robot, (mount.x, mount.y), (0.03, 0.06), np.degrees(mount.angle), color=WARN)
     phone = {"facecolor": "#C9D1D9", "edgecolor": RUBBER, "linewidth": 1.4}
     _draw_box(ax, robot, (0.0, 0.0), (0.16, 0.085), **phone)
 
@@ -121,14 +122,14 @@ def _draw_axes(ax: Axes, robot: Transform) -> None:
 
 def _draw_sizes(ax: Axes) -> None:
     """Dimension lines, in the millimetres of a drawing."""
-    half = SIZE / 2
+    half = SIDE / 2
     sizes = (
-        ((-half, -0.40), (half, -0.40), "650 mm", (0.0, -0.435)),
+        ((-half, -0.56), (half, -0.56), "650 mm", (0.0, -0.595)),
         (
-            (-SIDE_WHEEL, -0.48),
-            (SIDE_WHEEL, -0.48),
+            (-SIDE_WHEEL, -0.64),
+            (SIDE_WHEEL, -0.64),
             "537.7 mm between the dead wheels",
-            (0.0, -0.515),
+            (0.0, -0.675),
         ),
         ((0.08, 0.0), (0.08, -REAR_WHEEL), "274.5\nmm", (0.14, -0.16)),
     )

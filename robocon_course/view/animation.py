@@ -25,6 +25,8 @@ LONGEST = 8.0
 REST = 1.2
 """How long the last picture stays before the animation begins anew [s]."""
 COLOURS = 96
+ALIKE = 10
+"""Colours that differ by less in each of red, green and blue look the same."""
 STILL_ROBOTS = 5
 
 
@@ -161,9 +163,12 @@ def _table(images: list[Image.Image]) -> Image.Image:
     """The most frequent colours as they are: surfaces stay exact, only smooth edges are rounded."""
     pixels = np.vstack([np.asarray(image).reshape(-1, 3) for image in images]).astype(np.int64)
     packed, counts = np.unique(pixels @ (1 << 16, 1 << 8, 1), return_counts=True)
-    chosen = packed[np.argsort(-counts, kind="stable")[:COLOURS]]
+    packed = packed[np.argsort(-counts, kind="stable")]
+    left = np.column_stack([packed >> 16, packed >> 8 & 255, packed & 255])
+    chosen = []
+    while len(left) and len(chosen) < COLOURS:
+        chosen.append(left[0])  # what looks the same is left out: Pillow could confuse the two
+        left = left[np.abs(left - left[0]).max(axis=1) >= ALIKE]
     table = Image.new("P", (1, 1))
-    table.putpalette(
-        np.column_stack([chosen >> 16, chosen >> 8 & 255, chosen & 255]).ravel().tolist()
-    )
+    table.putpalette(np.concatenate(chosen).tolist())
     return table

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from matplotlib.patheffects import Normal, Stroke
+from matplotlib.ticker import MultipleLocator
 from numpy.typing import ArrayLike, NDArray
 
 from robocon_course import field
@@ -74,7 +75,7 @@ def draw_field(
     window = _window(window, [*tracks.values(), *rings.values()], robots)
     if ax is None:
         ax = figure(*_size(window, len(tracks)))[1]
-    _draw_ground(ax, window, pale)
+    draw_ground(ax, window, pale)
     draw_tracks(ax, tracks)
     for one in robots:
         for shape in robot_shapes(one):
@@ -105,7 +106,7 @@ def _robots(robot: Robots | None) -> list[RobotPicture]:
 
 
 def track(points: ArrayLike, label: str) -> FloatArray:
-    """The x and y of points or poses."""
+    """The x and y of points or poses; NaN may pass."""
     width = 3 if np.ndim(points) == 2 and np.shape(points)[1] == 3 else 2
     return as_floats(points, label, None, width, finite=False)[:, :2]
 
@@ -145,7 +146,8 @@ def _size(window: Window, entries: int) -> tuple[float, float]:
     return scale * width + 0.75, scale * height + 0.6 + 0.25 * (entries > 0)
 
 
-def _draw_ground(ax: Axes, window: Window, pale: float) -> None:
+def draw_ground(ax: Axes, window: Window, pale: float) -> None:
+    """The floor and the axes of a window, in metres."""
     picture, origin = ground(), WHOLE_FIELD[0]
     cells = len(picture) / (WHOLE_FIELD[1] - origin)
     low = [max(0, int((edge - origin) * cells)) for edge in window[::2]]
@@ -159,15 +161,9 @@ def _draw_ground(ax: Axes, window: Window, pale: float) -> None:
     ax.set(xlim=window[:2], ylim=window[2:], aspect="equal", xlabel="x [m]", ylabel="y [m]")
     step = 0.5 if min(window[1] - window[0], window[3] - window[2]) <= 3.5 else 1.0
     for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_locator(every(step))
+        axis.set_major_locator(MultipleLocator(step))
     ax.grid(color="black", linewidth=0.6, alpha=0.1)  # paler than any line of the field
     ax.spines[:].set_visible(False)
-
-
-def every(step: float):
-    from matplotlib.ticker import MultipleLocator
-
-    return MultipleLocator(step)
 
 
 def draw_tracks(ax: Axes, tracks: Mapping[str, FloatArray]) -> None:
@@ -187,6 +183,7 @@ def draw_tracks(ax: Axes, tracks: Mapping[str, FloatArray]) -> None:
 
 
 def draw_rings(ax: Axes, label: str, points: FloatArray) -> None:
+    """White rings, the label beside the first."""
     ring = {"markersize": 10, "markerfacecolor": "white", "markeredgewidth": 2.2, "zorder": 6}
     ax.plot(points[:, 0], points[:, 1], "o", color=TRUTH, **ring)
     halo = [Stroke(linewidth=3.0, foreground="white"), Normal()]

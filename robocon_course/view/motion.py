@@ -230,7 +230,7 @@ def _draw_ends(
 
 
 def _in_degrees(values: FloatArray, unit: str) -> FloatArray:
+    """Angles within half a turn, with gaps where they jump; other units as they are."""
     if unit != "deg":
         return values
-    degrees = np.degrees(values)
-    return np.apply_along_axis(gaps_at_jumps, 0, degrees)
+    return np.apply_along_axis(gaps_at_jumps, 0, np.degrees(wrap_angle(values)))
