@@ -10,6 +10,7 @@ Errors of size and place of the wheels add up with the way, which calibration me
 ``motion``       travel -> motion of the body -> poses; velocity; `Odometry`
 ``calibration``  true sizes from a run and a spin, or from a drive with known poses
 ``heading``      gyroscope and wheels together
+``rough``        poses on a drive on which wheels slip and sensors fall silent
 ===============  ===========================================================
 """
 
@@ -28,6 +29,7 @@ from robocon_course.odometry.motion import (
     integrate,
     integrate_arcs,
 )
+from robocon_course.odometry.rough import rough_drive_poses
 from robocon_course.odometry.wheels import TrackingWheels, tick_changes, wheel_travel
 
 __all__ = [
@@ -44,6 +46,7 @@ __all__ = [
     "fuse_heading",
     "integrate",
     "integrate_arcs",
+    "rough_drive_poses",
     "self_calibrate",
     "tick_changes",
     "wheel_travel",

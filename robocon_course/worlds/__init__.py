@@ -3,6 +3,8 @@
 ===========  ==========================================
 ``student``  student numbers, and draws that belong to one
 ``imu``      chapter 01: a phone's IMU and its logs
+``robot``    one student's robot, not quite as drawn
+``wheels``   chapter 02: its dead wheels and the logs they recorded
 ===========  ==========================================
 """
 
@@ -18,20 +20,49 @@ from robocon_course.worlds.imu import (
     rest_means,
     rough_drive,
 )
+from robocon_course.worlds.robot import own_robot, own_wheels
 from robocon_course.worlds.student import Student, generator, student_number
+from robocon_course.worlds.wheels import (
+    BITS,
+    RUN,
+    SPIN,
+    SQUARE,
+    OdometryWorld,
+    RoughDrive,
+    WheelLog,
+    gyro_of,
+    odometry_world,
+    random_legs,
+    rough_drive_log,
+    wheel_log,
+)
 
 __all__ = [
+    "BITS",
     "DT",
     "LEAN",
     "MATCH",
+    "RUN",
+    "SPIN",
+    "SQUARE",
     "ImuWorld",
+    "OdometryWorld",
+    "RoughDrive",
     "Rung",
     "Student",
+    "WheelLog",
     "generator",
+    "gyro_of",
     "imu_rungs",
     "imu_world",
+    "odometry_world",
     "own_imu",
+    "own_robot",
+    "own_wheels",
+    "random_legs",
     "rest_means",
     "rough_drive",
+    "rough_drive_log",
     "student_number",
+    "wheel_log",
 ]
