@@ -1,9 +1,11 @@
 """The game field of ABU Robocon 2024 "Harvest Day": its numbers, and maps made of them.
 
-==========  ==========================================================
-``layout``  every zone, ramp, board, line and spot under its own name
-``maps``    floor heights, obstacle map, height map
-==========  ==========================================================
+============  ============================================================
+``layout``    every zone, ramp, board, line and spot under its own name
+``raster``    the square that every raster covers, and shapes in it
+``maps``      floor heights, obstacle map, height map
+``painting``  the field in its true colours, seen from above
+============  ============================================================
 
 All names are found here too: ``field.SILOS``, ``field.obstacle_map()``.
 """
@@ -15,6 +17,7 @@ from robocon_course.field.layout import (
     AREA_3_GOAL,
     AREA_3_LINE,
     BALL_DIAMETER,
+    BALL_MASS,
     BLUE,
     DIVIDER_1,
     DIVIDER_2,
@@ -28,6 +31,7 @@ from robocon_course.field.layout import (
     GREY,
     GUIDE_LINES,
     HARVEST_EXAMPLE,
+    HARVEST_RECESS,
     HARVEST_SPOTS,
     HOLE_DIAMETER,
     LEDGES,
@@ -37,6 +41,7 @@ from robocon_course.field.layout import (
     PILE,
     PILE_BALLS,
     PILE_EXAMPLE,
+    PILE_FRAME_WIDTH,
     PILE_HALF_DIAGONAL,
     PILE_TARGET,
     PLANTING_SPOTS,
@@ -44,13 +49,17 @@ from robocon_course.field.layout import (
     RAMP_1,
     RAMP_2,
     RED,
+    RELEASE_HEIGHT,
     RETRY_ZONE,
     ROBOT_1_LINES,
     SEEDLING_HOLES,
     SEEDLING_RACK,
     SIDE_SLOPE,
+    SILO_BORE,
+    SILO_CAPACITY,
     SILO_DIAMETER,
     SILO_HEIGHT,
+    SILO_LAYERS,
     SILO_POST,
     SILO_ZONE,
     SILOS,
@@ -76,11 +85,16 @@ from robocon_course.field.layout import (
 )
 from robocon_course.field.maps import (
     FLOOR_TABLE,
-    ORIGIN,
-    SPAN,
     floor_height,
     height_map,
     obstacle_map,
+)
+from robocon_course.field.painting import (
+    picture,
+)
+from robocon_course.field.raster import (
+    ORIGIN,
+    SPAN,
 )
 
 __all__ = [
@@ -90,6 +104,7 @@ __all__ = [
     "AREA_3_GOAL",
     "AREA_3_LINE",
     "BALL_DIAMETER",
+    "BALL_MASS",
     "BLUE",
     "DIVIDER_1",
     "DIVIDER_2",
@@ -104,6 +119,7 @@ __all__ = [
     "GREY",
     "GUIDE_LINES",
     "HARVEST_EXAMPLE",
+    "HARVEST_RECESS",
     "HARVEST_SPOTS",
     "HOLE_DIAMETER",
     "LEDGES",
@@ -114,6 +130,7 @@ __all__ = [
     "PILE",
     "PILE_BALLS",
     "PILE_EXAMPLE",
+    "PILE_FRAME_WIDTH",
     "PILE_HALF_DIAGONAL",
     "PILE_TARGET",
     "PLANTING_SPOTS",
@@ -121,14 +138,18 @@ __all__ = [
     "RAMP_1",
     "RAMP_2",
     "RED",
+    "RELEASE_HEIGHT",
     "RETRY_ZONE",
     "ROBOT_1_LINES",
     "SEEDLING_HOLES",
     "SEEDLING_RACK",
     "SIDE_SLOPE",
     "SILOS",
+    "SILO_BORE",
+    "SILO_CAPACITY",
     "SILO_DIAMETER",
     "SILO_HEIGHT",
+    "SILO_LAYERS",
     "SILO_POST",
     "SILO_ZONE",
     "SIZE",
@@ -154,4 +175,5 @@ __all__ = [
     "floor_height",
     "height_map",
     "obstacle_map",
+    "picture",
 ]

@@ -141,9 +141,21 @@ SILOS: tuple[Point, ...] = tuple((6.0, 8.5 + 0.75 * k) for k in range(5))
 """Centres of silos 1 to 5, counted from Area 2 towards the end fence."""
 SILO_DIAMETER = 0.25
 SILO_HEIGHT = 0.425
+"""Above the Silo Zone [m]: an open cage of four rings on posts."""
+SILO_BORE = 0.238
+"""Inner diameter of its rings in one team's CAD model [m]."""
+SILO_CAPACITY = 3
+SILO_LAYERS = (0.095, 0.280, 0.465)
+"""Middles of the balls in a full silo, above the Silo Zone [m]; reckoned from bore and ball."""
+RELEASE_HEIGHT = 0.74
+"""Above the platform, where one team's robot lets go of a ball over a silo [m]."""
 SPOT_DIAMETER = 0.12
 HOLE_DIAMETER = 0.09
+HARVEST_RECESS = 0.02
+"""Depth of the harvest spots in one team's CAD model [m]."""
 BALL_DIAMETER = 0.19
+BALL_MASS = 0.30
+"""Assumed [kg]: the rulebook's value was not found, one simulation has 0.35."""
 SEEDLING_HOLES: tuple[Point, ...] = tuple((2.25 + 0.25 * k, 0.125) for k in range(12))
 _COLUMNS = [2.375 + 0.5 * k for k in range(6)]
 PLANTING_SPOTS: tuple[Point, ...] = tuple((x, y) for y in (2.25, 2.75) for x in _COLUMNS)
@@ -152,6 +164,8 @@ HARVEST_EXAMPLE = (RED, PURPLE) * 3 + (PURPLE, RED) * 3
 """Colours of the balls on `HARVEST_SPOTS` in the rulebook's picture; the opponent sets them."""
 PILE: Point = (1.125, 10.0)
 PILE_HALF_DIAGONAL = 0.6
+PILE_FRAME_WIDTH = 0.05
+"""Of the boards of the square frame around the pile; assumed like the fence's [m]."""
 _DIAGONAL = BALL_DIAMETER * 0.5**0.5
 PILE_BALLS: tuple[Point, ...] = tuple(
     (PILE[0] + _DIAGONAL * (i - j), PILE[1] + _DIAGONAL * (i + j - 3))

@@ -1,7 +1,4 @@
-"""The field as tables and rasters: floor under the wheels, obstacles, what a beam hits.
-
-All rasters cover the same square of 12.1 m, fences included; row 0 lies at y = -0.05.
-"""
+"""The field as tables and maps: floor under the wheels, obstacles, what a beam hits."""
 
 from __future__ import annotations
 
@@ -11,14 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robocon_course._arrays import FloatArray, as_floats
-from robocon_course.field import layout
-from robocon_course.field.layout import Rect
+from robocon_course.field import layout, raster
 from robocon_course.gridmap import GridMap
-
-ORIGIN = (-layout.FENCE_THICKNESS, -layout.FENCE_THICKNESS)
-"""Outer corner of the rasters' cell (0, 0) [m, map]."""
-SPAN = layout.SIZE + 2 * layout.FENCE_THICKNESS
-"""Side of the square that the rasters cover [m]."""
 
 FLOOR_TABLE: FloatArray = np.array(
     [
@@ -84,7 +75,7 @@ def obstacle_map(resolution: float = 0.01) -> GridMap:
     ValueError
         A resolution that does not divide 12.1 m.
     """
-    return _obstacle_map(_cells_across(resolution), float(resolution))
+    return _obstacle_map(raster.cells_across(resolution), float(resolution))
 
 
 @cache
@@ -92,11 +83,11 @@ def _obstacle_map(count: int, resolution: float) -> GridMap:
     """`obstacle_map`, once per resolution."""
     free = np.ones((count, count), dtype=bool)
     for rect in layout.OBSTACLES:
-        edges = (np.array(rect[1:5]) - (*ORIGIN, *ORIGIN)) / resolution
+        edges = (np.array(rect[1:5]) - raster.ORIGIN[0]) / resolution
         x0, y0 = np.floor(edges[:2] + 1e-6).astype(int)
         x1, y1 = np.ceil(edges[2:] - 1e-6).astype(int)
         free[y0:y1, x0:x1] = False
-    return GridMap(free, resolution, ORIGIN)
+    return GridMap(free, resolution, raster.ORIGIN)
 
 
 def height_map(resolution: float = 0.01) -> NDArray[np.float32]:
@@ -120,46 +111,20 @@ def height_map(resolution: float = 0.01) -> NDArray[np.float32]:
     ValueError
         A resolution that does not divide 12.1 m.
     """
-    return _height_map(_cells_across(resolution))
+    return _height_map(raster.cells_across(resolution))
 
 
 @cache
 def _height_map(count: int) -> NDArray[np.float32]:
     """`height_map`, once per resolution."""
-    x, y = _middles(count)
-    height = floor_height(x, y)
-    for rect in (layout.WATER_FRAME, layout.WATER, layout.WATER_BACK, *_STANDING):
-        height[_inside(rect, x, y)] = rect.height
+    height = floor_height(*raster.middles(count)).astype(np.float32)
+    for rect in (layout.WATER_FRAME, layout.WATER, layout.WATER_BACK, layout.SEEDLING_RACK):
+        raster.paint_rect(height, rect, rect.height)
+    for rect in layout.FENCES:
+        raster.paint_rect(height, rect, rect.height)
+    raster.mirror(height)
     for silo in layout.SILOS:
-        disc = np.hypot(x - silo[0], y - silo[1]) < layout.SILO_DIAMETER / 2
-        height[disc] = layout.SILO_ZONE.height + layout.SILO_HEIGHT
-    height = height.astype(np.float32)
+        top = layout.SILO_ZONE.height + layout.SILO_HEIGHT
+        raster.paint_disc(height, silo, layout.SILO_DIAMETER, top)
     height.setflags(write=False)
     return height
-
-
-_STANDING = (*layout.FENCES, layout.SEEDLING_RACK)
-
-
-def _cells_across(resolution: float) -> int:
-    """How many cells the rasters have on a side."""
-    resolution = float(as_floats(resolution, "resolution"))
-    count = SPAN / resolution if resolution > 0.0 else 0.0
-    if count < 1.0 or abs(count - round(count)) > 1e-6:
-        raise ValueError(
-            f"resolution: must divide {SPAN:.1f} m into whole cells (0.01 or 0.05, say), "
-            f"got {resolution!r}"
-        )
-    return round(count)
-
-
-def _middles(count: int) -> tuple[FloatArray, FloatArray]:
-    """Coordinates x (1, n) and y (n, 1) of the middles of the cells."""
-    ticks = ORIGIN[0] + (np.arange(count) + 0.5) * (SPAN / count)
-    return ticks[None, :], ticks[:, None]
-
-
-def _inside(rect: Rect, x: FloatArray, y: FloatArray) -> NDArray[np.bool_]:
-    """Which points lie in a rectangle of our half, or in its mirror image."""
-    x = np.minimum(x, layout.SIZE - x)
-    return (rect.x0 <= x) & (x <= rect.x1) & (rect.y0 <= y) & (y <= rect.y1)
