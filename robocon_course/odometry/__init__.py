@@ -5,13 +5,14 @@
 Each dead wheel feels one component of the body's motion; three of them, or more, give all of it.
 Errors of size and place of the wheels add up with the way, which calibration mends.
 
-===============  ===========================================================
+===============  ====================================================================
 ``wheels``       `TrackingWheels`, counters that wrap around, travel
-``motion``       travel -> motion of the body -> poses; velocity; `Odometry`
+``motion``       travel -> motion of the body -> poses; velocity
+``stream``       `Odometry` for a control loop
 ``calibration``  true sizes from a run and a spin, or from a drive with known poses
 ``heading``      gyroscope and wheels together
 ``rough``        poses on a drive on which wheels slip and sensors fall silent
-===============  ===========================================================
+===============  ====================================================================
 """
 
 from robocon_course.odometry.calibration import SizePrior, calibrate_wheels, self_calibrate
@@ -23,13 +24,14 @@ from robocon_course.odometry.heading import (
     fuse_heading,
 )
 from robocon_course.odometry.motion import (
-    Odometry,
     body_deltas,
     body_velocity,
     integrate,
     integrate_arcs,
+    odometry_update,
 )
 from robocon_course.odometry.rough import rough_drive_poses
+from robocon_course.odometry.stream import Odometry, OdometryState
 from robocon_course.odometry.wheels import TrackingWheels, tick_changes, wheel_travel
 
 __all__ = [
@@ -37,6 +39,7 @@ __all__ = [
     "HeadingLog",
     "HeadingState",
     "Odometry",
+    "OdometryState",
     "SizePrior",
     "TrackingWheels",
     "body_deltas",
@@ -46,6 +49,7 @@ __all__ = [
     "fuse_heading",
     "integrate",
     "integrate_arcs",
+    "odometry_update",
     "rough_drive_poses",
     "self_calibrate",
     "tick_changes",

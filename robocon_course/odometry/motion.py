@@ -17,7 +17,7 @@ K. Lynch, F. Park, Modern Robotics, Cambridge 2017, section 13.4 (odometry by ps
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, isfinite, sin
 
 import numpy as np
 from numba import njit
@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.geometry import compose, inverse, se2_log, wrap_angle
-from robocon_course.odometry.wheels import TrackingWheels, wheel_travel
+from robocon_course.odometry.wheels import TrackingWheels
 
 START = (0.0, 0.0, 0.0)
 
@@ -72,25 +72,76 @@ def body_deltas(
     travel = as_floats(travel, "travel", None, len(wheels.radius))
     if yaw is None:
         return travel @ wheels.solver.T
-    turn = wrap_angle(np.diff(as_floats(yaw, "yaw", len(travel) + 1)))
-    rolled_by_turn = turn[:, None] * wheels.matrix[:, 2]
-    return np.column_stack([(travel - rolled_by_turn) @ wheels.shift_solver.T, turn])
+    turn = wrap_angle(np.diff(as_floats(yaw, "yaw", len(travel) + 1)))[:, None]
+    shift = travel @ wheels.shift_solver.T + turn * wheels.shift_per_turn
+    return np.concatenate([shift, turn], axis=1)
 
 
 @njit(cache=True)
-def integrate_arcs(deltas: FloatArray, poses: FloatArray) -> None:
-    """Poses along exact arcs, written into ``poses``; row 0 holds the start."""
+def arc(x, y, theta, forward, left, turn):
+    """The pose after one motion of the base along an exact arc: pose ∘ exp(motion).
+
+    Parameters
+    ----------
+    x, y, theta : float  [m, m, rad; map]
+    forward, left, turn : float  [m, m, rad; base at the start]
+
+    Returns
+    -------
+    tuple of 3 floats  [m, m, rad; map]
+    """
+    half = turn / 2.0
+    # An arc's chord points along the heading halfway and is shorter by sin(half) / half.
+    chord = sin(half) / half if half != 0.0 else 1.0
+    c, s = chord * cos(theta + half), chord * sin(theta + half)
+    return x + (c * forward - s * left), y + (s * forward + c * left), theta + turn
+
+
+@njit(cache=True)
+def integrate_arcs(deltas, poses):
+    """Poses along exact arcs, written into ``poses``; it trusts its input.
+
+    Parameters
+    ----------
+    deltas : ndarray, shape (n, 3)  [m, m, rad; base at the start of each step]
+    poses : ndarray, shape (n + 1, 3)  [m, m, rad; map]
+        Row 0 holds the start; the others take the poses.
+    """
     x, y, theta = poses[0, 0], poses[0, 1], poses[0, 2]
     for k in range(len(deltas)):
-        forward, left, turn = deltas[k, 0], deltas[k, 1], deltas[k, 2]
-        half = turn / 2.0
-        # An arc's chord points along the heading halfway and is shorter by sin(half) / half.
-        chord = sin(half) / half if half != 0.0 else 1.0
-        c, s = chord * cos(theta + half), chord * sin(theta + half)
-        x += c * forward - s * left
-        y += s * forward + c * left
-        theta += turn
+        x, y, theta = arc(x, y, theta, deltas[k, 0], deltas[k, 1], deltas[k, 2])
         poses[k + 1, 0], poses[k + 1, 1], poses[k + 1, 2] = x, y, theta
+
+
+@njit(cache=True)
+def odometry_update(pose, ticks, per_tick, per_turn, turn):
+    """One arc of ``pose``, in place, by the counts of one sample; False if they are not finite.
+
+    The kernel behind `Odometry`; beside `arc`, as numba looks only here for changes.
+
+    Parameters
+    ----------
+    pose : ndarray, shape (3,)  [m, m, rad; map]
+    ticks : ndarray of float64, shape (n,)
+    per_tick : ndarray, shape (3, n)  [m, m, rad per count; base]
+        How each wheel's count moves the base.
+    per_turn : ndarray, shape (3,)  [m, m, rad per rad; base]
+        How a turn known from elsewhere moves it, seen by the wheels.
+    turn : float  [rad]
+
+    Returns
+    -------
+    bool
+    """
+    forward, left, turned = per_turn[0] * turn, per_turn[1] * turn, per_turn[2] * turn
+    for i in range(len(ticks)):
+        forward += per_tick[0, i] * ticks[i]
+        left += per_tick[1, i] * ticks[i]
+        turned += per_tick[2, i] * ticks[i]
+    if not isfinite(forward + left + turned):
+        return False
+    pose[0], pose[1], pose[2] = arc(pose[0], pose[1], pose[2], forward, left, turned)
+    return True
 
 
 def integrate(deltas: ArrayLike, start: ArrayLike = START) -> FloatArray:
@@ -160,56 +211,3 @@ def body_velocity(poses: ArrayLike, dt: float) -> FloatArray:
     steps = compose(inverse(poses[:-1]), poses[1:])
     steps[:, 2] = wrap_angle(steps[:, 2])
     return se2_log(steps) / dt
-
-
-class Odometry:
-    """Dead reckoning for a control loop: remembers the pose, nothing else.
-
-    Attributes
-    ----------
-    pose : ndarray, shape (3,)  [m, m, rad; map]
-    rejected : int
-        Samples that were not finite and were left out.
-
-    Parameters
-    ----------
-    wheels : TrackingWheels
-    start : array_like, shape (3,)  [m, m, rad; map]
-    """
-
-    def __init__(self, wheels: TrackingWheels, start: ArrayLike = START) -> None:
-        self.wheels = wheels
-        self.rejected = 0
-        self.reset(start)
-
-    def reset(self, pose: ArrayLike) -> None:
-        """Stand at another pose (3,) [m, m, rad; map], as after a look at the walls."""
-        self.pose = as_floats(pose, "pose", 3)
-        self._yaw: float | None = None
-
-    def update(self, ticks: ArrayLike, yaw: float | None = None) -> FloatArray:
-        """The pose after one more sample.
-
-        Parameters
-        ----------
-        ticks : array_like, shape (number of wheels,)
-            Counts since the sample before. One that is not finite is counted, and only the
-            gyroscope moves the pose.
-        yaw : float, optional  [rad]
-            A gyroscope's heading. From the second in a row on, its turn replaces the wheels'.
-
-        Returns
-        -------
-        ndarray, shape (3,)  [m, m, rad; map]
-        """
-        yaw = float(yaw) if yaw is not None and np.isfinite(yaw) else None
-        headings = None if yaw is None or self._yaw is None else (self._yaw, yaw)
-        self._yaw = yaw
-        if np.isfinite(ticks).all():
-            travel = wheel_travel(self.wheels, ticks)
-            deltas = body_deltas(self.wheels, travel[None], headings)
-        else:
-            self.rejected += 1
-            deltas = [[0.0, 0.0, 0.0 if headings is None else wrap_angle(yaw - headings[0])]]
-        self.pose = integrate(deltas, self.pose)[1]
-        return self.pose

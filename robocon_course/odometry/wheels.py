@@ -55,56 +55,64 @@ class TrackingWheels:
     def __post_init__(self) -> None:
         positions = as_floats(self.positions, "positions", None, 2)
         n = len(positions)
-        radius = np.broadcast_to(np.asarray(self.radius, dtype=np.float64), (n,))
+        one_size = np.ndim(self.radius) == 0
+        radius = as_floats([self.radius] * n if one_size else self.radius, "radius", n)
+        if not (radius > 0.0).all():
+            raise ValueError(f"radius: expected metres above 0, got {radius.min():g}")
+        if not 0.0 < self.ticks_per_turn < np.inf:
+            raise ValueError(f"ticks_per_turn: expected counts above 0, got {self.ticks_per_turn}")
         checked = {
             "positions": positions,
             "directions": as_floats(self.directions, "directions", n),
-            "radius": as_floats(radius, "radius", n),
+            "radius": radius,
         }
-        if not (checked["radius"] > 0.0).all():
-            raise ValueError(f"radius: expected metres above 0, got {radius.min():g}")
-        if not self.ticks_per_turn > 0:
-            raise ValueError(f"ticks_per_turn: expected counts above 0, got {self.ticks_per_turn}")
         for name, value in checked.items():
             object.__setattr__(self, name, _frozen(value))
 
     @cached_property
     def metres_per_tick(self) -> FloatArray:
         """How far each wheel rolls from one count to the next, shape (n,) [m]."""
-        return 2.0 * np.pi * self.radius / self.ticks_per_turn
+        return _frozen(2.0 * np.pi * self.radius / self.ticks_per_turn)
 
     @cached_property
     def matrix(self) -> FloatArray:
         """Wheel travel = matrix @ (forward, left, turn); shape (n, 3)."""
-        return wheel_matrix(self.positions, self.directions)
+        return _frozen(wheel_matrix(self.positions, self.directions))
 
     @cached_property
     def solver(self) -> FloatArray:
         """(forward, left, turn) = solver @ travel in the least-squares sense; shape (3, n)."""
-        return self._solve(columns=3)
+        return _frozen(self._inverse(3)[:, : len(self.radius)])
 
     @cached_property
     def shift_solver(self) -> FloatArray:
-        """(forward, left) = shift_solver @ (travel - matrix[:, 2] * turn); shape (2, n)."""
-        return self._solve(columns=2)
+        """(forward, left) = shift_solver @ travel + shift_per_turn * turn; shape (2, n)."""
+        return _frozen(self._inverse(2)[:, : len(self.radius)])
 
-    def _solve(self, columns: int) -> FloatArray:
-        n, matrix = len(self.radius), self.matrix
-        if n == 2 and abs(np.sin(np.diff(self.directions)[0])) < WELL_POSED:
-            # Side by side: their axle cannot slide along itself, as if a third wheel stood across
-            # in its middle and never rolled.
-            across = wheel_matrix(
-                self.positions.mean(axis=0)[None], self.directions[:1] + np.pi / 2
-            )
-            matrix = np.concatenate([matrix, across])
-        matrix = matrix[:, :columns]
+    @cached_property
+    def shift_per_turn(self) -> FloatArray:
+        """What a turn known from elsewhere takes off the wheels' travel; shape (2,) [m]."""
+        return _frozen(-self._inverse(2) @ self._constraints[:, 2])
+
+    @cached_property
+    def _constraints(self) -> FloatArray:
+        """The wheel matrix, with one more row where the wheels imply a wheel that never rolls."""
+        if len(self.radius) != 2 or abs(np.sin(np.diff(self.directions)[0])) > WELL_POSED:
+            return self.matrix
+        # Side by side: their axle cannot slide along itself, as if a third wheel stood across in
+        # its middle.
+        middle, across = self.positions.mean(axis=0), self.directions[0] + np.pi / 2
+        return np.concatenate([self.matrix, wheel_matrix([middle], [across])])
+
+    def _inverse(self, unknowns: int) -> FloatArray:
+        matrix = self._constraints[:, :unknowns]
         strengths = np.linalg.svd(matrix, compute_uv=False)
-        if len(strengths) < columns or strengths[-1] < WELL_POSED * strengths[0]:
+        if len(strengths) < unknowns or strengths[-1] < WELL_POSED * strengths[0]:
             raise ValueError(
-                f"wheels: these {n} wheels cannot tell forward, left and turn apart; "
-                "put one of them across the others, and away from the centre"
+                f"wheels: these {len(self.radius)} wheels cannot tell forward, left and turn "
+                "apart; put one of them across the others, and away from the centre"
             )
-        return _frozen(np.linalg.pinv(matrix)[:, :n])
+        return np.linalg.pinv(matrix)
 
 
 def tick_changes(counters: ArrayLike, bits: int = 64) -> NDArray[np.int64]:
@@ -139,6 +147,8 @@ def tick_changes(counters: ArrayLike, bits: int = 64) -> NDArray[np.int64]:
             "counters: expected whole numbers, one row a sample, got "
             f"{counters.dtype} of shape {counters.shape}; convert with .astype(int) if they are"
         )
+    if not len(counters):
+        raise ValueError("counters: expected at least one reading, got none")
     if not 1 <= bits <= 64:
         raise ValueError(f"bits: expected 1 to 64, got {bits}")
     changes = np.diff(counters.astype(np.uint64), axis=0)  # wraps around at 64 bits, as it should
