@@ -1,6 +1,18 @@
-"""A robot that needs no hardware.
+"""A robot that needs no hardware: what it does with commands, and what its sensors say.
 
-===========  ==================================================
-``sensors``  what an IMU reads of a motion that is known exactly
-===========  ==================================================
+============  ==================================================================
+``machine``   `Simulator`: read, apply, step; the truth apart
+``model``     `RobotModel`: the true sizes of one robot, and the field under it
+``physics``   wheels that grip and slide, ramps, walls
+``sensors``   `SensorModel`: all sensors' errors and rates
+``inertial``  what the IMU reads
+``lidar``     what the LiDARs read
+``motions``   known motions for an IMU to record
+============  ==================================================================
 """
+
+from robocon_course.simulator.machine import Simulator, Truth
+from robocon_course.simulator.model import RobotModel
+from robocon_course.simulator.sensors import IDEAL, LidarErrors, SensorModel
+
+__all__ = ["IDEAL", "LidarErrors", "RobotModel", "SensorModel", "Simulator", "Truth"]

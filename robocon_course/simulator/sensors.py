@@ -1,299 +1,155 @@
-"""What does an IMU read, given how it really moves?
+"""Every sensor of the simulated robot: how often it measures, and how far from the truth.
 
-With q_k the true attitude (body -> map) and a_k the true acceleration in map axes at sample k:
-
-    gyro_k  = rotation_vector(q*_(k-1) ⊗ q_k) / dt + bias + noise      mean rate since sample k-1
-    accel_k = R(q_k)^T (a_k + g z) / scale + bias + noise              specific force: up reads +g
-
-then cut off at the sensor's range and rounded to its resolution. A noise density N in unit/sqrt(Hz)
-gives sigma = N sqrt(fs/2) per sample: the sensor passes everything up to half the sample rate.
-(Some tools use N sqrt(fs), 1.41 times more.)
-
-The motions are pure functions of time and, where they draw, of the generator they are given.
-
-Source: TDK InvenSense, ICM-42605 data sheet DS-000292 rev. 1.4, tables 1 and 2 (densities, ranges);
-the smooth step: T. Flash, N. Hogan, The coordination of arm movements, Journal of Neuroscience
-5(7), 1985.
+The IMU's formulas stand in `inertial`, the LiDARs' in `lidar`, known motions to record in
+`motions`; their public names are here as well.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from math import pi, radians, sqrt
+from dataclasses import dataclass, field, replace
+from math import inf, pi, radians
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from robocon_course._arrays import FloatArray, as_floats
-from robocon_course.geometry import (
-    GRAVITY,
-    quaternion_conjugate,
-    quaternion_from_euler,
-    quaternion_from_rotation_vector,
-    quaternion_multiply,
-    rotate,
-    rotation_vector,
+from robocon_course.geometry import GRAVITY
+from robocon_course.simulator.inertial import UNCALIBRATED, ImuErrors, imu_measurements
+from robocon_course.simulator.motions import (
+    ACCELERATION,
+    FIELD_HIGH,
+    FIELD_LOW,
+    RAMP,
+    TURN_RATE,
+    Motion,
+    drive,
+    slow_turns,
+    still,
 )
+from robocon_course.simulator.physics import TICK
 
-RAMP = radians(5.7)  # the field's ramps: 100 mm up on 1000 mm
-FIELD_LOW, FIELD_HIGH = np.array([0.5, 0.5]), np.array([5.4, 11.5])  # m, one team's half
-ACCELERATION = (1.0, 3.0)  # m/s^2, hardest push of a leg
-TURN_RATE = 1.2  # rad/s, fastest turn of a leg
-
-Motion = tuple[FloatArray, FloatArray]
-"""True attitudes (n, 4), body -> map, and accelerations (n, 3) [m/s^2, map]."""
+__all__ = [
+    "ACCELERATION",
+    "FIELD_HIGH",
+    "FIELD_LOW",
+    "GRAVITY",
+    "IDEAL",
+    "RAMP",
+    "TURN_RATE",
+    "UNCALIBRATED",
+    "ImuErrors",
+    "LidarErrors",
+    "Motion",
+    "SensorModel",
+    "drive",
+    "imu_measurements",
+    "slow_turns",
+    "still",
+]
 
 
 @dataclass(frozen=True)
-class ImuErrors:
-    """Everything that parts an IMU's reading from the truth; three numbers are one per axis.
+class LidarErrors:
+    """What parts a TFmini Plus's reading from the truth.
 
     Attributes
     ----------
-    gyro_bias : sequence of 3  [rad/s]
-        0.02 deg/s stays after a phone has calibrated itself.
-    gyro_noise_density : float  [rad/s/sqrt(Hz)]
-    gyro_walk : float  [rad/s/sqrt(s)]
-        How the bias wanders: 5 deg/h within a match.
-    accel_bias : sequence of 3  [m/s^2]
-    accel_scale : sequence of 3
-        The calibration (raw - bias) * scale undoes scale and bias.
-    accel_noise_density : float  [m/s^2/sqrt(Hz)]
-    gyro_range, accel_range : float  [rad/s, m/s^2]
-        The sensor says at most this much, either way.
-    gyro_resolution, accel_resolution : float  [rad/s, m/s^2]
-        One step of the converter.
+    offset : float  [m]
+        Every sensor has its own, drawn at reset between minus and plus this much.
+    noise : float  [m]
+        Standard deviation of a reading.
+    band : float  [m]
+        The two together stay within it up to 6 m, and within 1 % of the distance beyond.
+    step_mm : int
+        Readings are whole multiples of it: 10 in the sensor's centimetre mode, 5 is its resolution.
+    spot : float  [rad]
+        Full angle of the cone of light; 0 makes it a line.
+    reflectivity : float
+        Of everything it hits.
     """
 
-    gyro_bias: Sequence[float] = (radians(0.02), radians(-0.02), radians(0.02))
-    gyro_noise_density: float = radians(0.0038)
-    gyro_walk: float = radians(1e-4)
-    accel_bias: Sequence[float] = (0.0, 0.0, 0.0)
-    accel_scale: Sequence[float] = (1.0, 1.0, 1.0)
-    accel_noise_density: float = 70e-6 * GRAVITY
-    gyro_range: float = radians(500.0)
-    accel_range: float = 4.0 * GRAVITY
-    gyro_resolution: float = radians(1.0 / 65.5)
-    accel_resolution: float = GRAVITY / 8192.0
+    offset: float = 0.030
+    noise: float = 0.010
+    band: float = 0.050
+    step_mm: int = 10
+    spot: float = radians(3.6)
+    reflectivity: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("offset", "noise", "band", "spot"):
+            if not 0.0 <= getattr(self, name) < inf:
+                raise ValueError(f"{name}: must not be negative, got {getattr(self, name)!r}")
+        if self.step_mm < 1 or self.step_mm != int(self.step_mm):
+            raise ValueError(f"step_mm: must be whole millimetres, got {self.step_mm!r}")
+        if not 0.0 < self.reflectivity <= 1.0:
+            raise ValueError(f"reflectivity: between 0 and 1, got {self.reflectivity!r}")
 
 
-UNCALIBRATED = ImuErrors(
-    gyro_bias=(radians(0.5), radians(-0.4), radians(0.3)),
-    accel_bias=(0.020 * GRAVITY, -0.015 * GRAVITY, 0.010 * GRAVITY),
-    accel_scale=(1.010, 0.985, 1.005),
+@dataclass(frozen=True)
+class SensorModel:
+    """The sensors of one robot; ``dataclasses.replace`` makes another set of it.
+
+    Attributes
+    ----------
+    imu : ImuErrors
+    lidar : LidarErrors
+    imu_rate, lidar_rate : float  [Hz]
+        500 divided by a whole number. Each LiDAR measures at moments of its own.
+    angle_step, speed_step : float  [rad, m/s]
+        Resolution of the modules' encoders.
+    encoder_gaps : tuple of (wheel, start, end)
+        Times [s] in which a dead wheel (0, 1, 2) rolls and its counter does not count: it hangs in
+        the air, or its plug is loose.
+    """
+
+    imu: ImuErrors = field(default_factory=ImuErrors)
+    lidar: LidarErrors = field(default_factory=LidarErrors)
+    imu_rate: float = 100.0
+    lidar_rate: float = 100.0
+    angle_step: float = 2.0 * pi / 4096
+    speed_step: float = 0.001
+    encoder_gaps: tuple[tuple[int, float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("imu_rate", "lidar_rate"):
+            ticks_between(getattr(self, name), name)
+        for name in ("angle_step", "speed_step"):
+            if not 0.0 < getattr(self, name) < inf:
+                raise ValueError(f"{name}: must be positive, got {getattr(self, name)!r}")
+
+
+def ticks_between(rate: float, name: str = "rate") -> int:
+    """Ticks of the physics between two samples of a sensor.
+
+    Parameters
+    ----------
+    rate : float  [Hz]
+    name : str
+        For the message.
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    ValueError
+        The physics' 500 Hz is no whole multiple of it, or it is below 1 Hz.
+    """
+    every = 1.0 / (TICK * rate) if rate > 0.0 else 0.0
+    if every < 0.5 or abs(every - round(every)) > 1e-6 or rate < 1.0:
+        raise ValueError(f"{name}: must be 500 Hz divided by a whole number, got {rate!r}")
+    return round(every)
+
+
+IDEAL = SensorModel(
+    imu=replace(
+        ImuErrors(),
+        gyro_bias=(0.0, 0.0, 0.0),
+        gyro_noise_density=0.0,
+        gyro_walk=0.0,
+        accel_noise_density=0.0,
+        gyro_resolution=1e-9,
+        accel_resolution=1e-9,
+    ),
+    lidar=LidarErrors(offset=0.0, noise=0.0, step_mm=1, spot=0.0),
+    angle_step=1e-9,
+    speed_step=1e-9,
 )
-"""A sensor as it leaves the factory: 0.5 deg/s, 20 mg and a per cent or so off."""
-
-
-def imu_measurements(
-    quaternions: ArrayLike,
-    accelerations: ArrayLike,
-    dt: float,
-    errors: ImuErrors,
-    rng: np.random.Generator,
-) -> tuple[FloatArray, FloatArray]:
-    """What the IMU reads during a known motion.
-
-    Parameters
-    ----------
-    quaternions : array_like, shape (n, 4)
-        True attitudes, unit quaternions (w, x, y, z), body -> map.
-    accelerations : array_like, shape (n, 3)  [m/s^2, map]
-        True accelerations, without gravity.
-    dt : float  [s]
-        Time between samples.
-    errors : ImuErrors
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    gyro : ndarray, shape (n, 3)  [rad/s, body]
-        Mean rate since the sample before; the first row repeats the second's rate.
-    accel : ndarray, shape (n, 3)  [m/s^2, body]
-
-    Raises
-    ------
-    ValueError
-        Wrong shapes or lengths, entries that are not finite, or dt that is not positive.
-
-    Notes
-    -----
-    The same ``rng`` state and motion give the same numbers to the bit on every machine: the last
-    bits, in which library functions differ, vanish in the rounding to the sensor's resolution.
-    """
-    quaternions = as_floats(quaternions, "quaternions", None, 4)
-    n = len(quaternions)
-    accelerations = as_floats(accelerations, "accelerations", n, 3)
-    dt = _positive(dt, "dt")
-    back = quaternion_conjugate(quaternions)
-    turns = rotation_vector(quaternion_multiply(back[:-1], quaternions[1:])) / dt
-    rates = np.concatenate([turns[:1] if n > 1 else np.zeros((n, 3)), turns])
-    force = rotate(back, accelerations + np.array([0.0, 0.0, GRAVITY]))
-
-    walk = errors.gyro_walk * sqrt(dt) * rng.standard_normal((n, 3)).cumsum(axis=0)
-    white = sqrt(0.5 / dt) * rng.standard_normal((2, n, 3))
-    gyro = rates + as_floats(errors.gyro_bias, "errors.gyro_bias", 3) + walk
-    gyro += errors.gyro_noise_density * white[0]
-    accel = force / as_floats(errors.accel_scale, "errors.accel_scale", 3)
-    accel += as_floats(errors.accel_bias, "errors.accel_bias", 3)
-    accel += errors.accel_noise_density * white[1]
-    return (
-        _convert(gyro, errors.gyro_range, errors.gyro_resolution),
-        _convert(accel, errors.accel_range, errors.accel_resolution),
-    )
-
-
-def still(duration: float, dt: float, tilt: ArrayLike = (1.0, 0.0, 0.0, 0.0)) -> Motion:
-    """Nothing moves.
-
-    Parameters
-    ----------
-    duration, dt : float  [s]
-        round(duration / dt) samples.
-    tilt : array_like, shape (4,)
-        Unit quaternion of the resting attitude, body -> map.
-
-    Returns
-    -------
-    quaternions : ndarray, shape (n, 4)
-    accelerations : ndarray, shape (n, 3)  [m/s^2, map]
-
-    Raises
-    ------
-    ValueError
-        Wrong shape, or a time that is not positive.
-    """
-    n = len(_times(duration, dt))
-    return np.tile(as_floats(tilt, "tilt", 4), (n, 1)), np.zeros((n, 3))
-
-
-def slow_turns(dt: float, *, turn: float = 10.0, lean: float = 0.0) -> Motion:
-    """One full turn about x, one about y, and one about z lying on its side.
-
-    Gravity passes over each axis, up and down. Before the third it takes a quarter turn onto the
-    side, and back at the end.
-
-    Parameters
-    ----------
-    dt : float  [s]
-    turn : float  [s]
-        Time for a full turn; the fastest rate is 1.875 * 2 pi / turn.
-    lean : float  [rad]
-        Lean of the whole exercise: other than 0, no axis is ever exactly vertical.
-
-    Returns
-    -------
-    quaternions : ndarray, shape (n, 4)
-    accelerations : ndarray, shape (n, 3)  [m/s^2, map]
-        Zeros: it turns about its own middle.
-
-    Raises
-    ------
-    ValueError
-        A time that is not positive.
-    """
-    turn = _positive(turn, "turn")
-    x, y, z = np.eye(3)
-    attitude = quaternion_from_rotation_vector(lean * (x + y) / sqrt(2.0))
-    parts = [attitude[None]]
-    for axis, angle in ((x, 2 * pi), (y, 2 * pi), (x, pi / 2), (z, 2 * pi), (x, -pi / 2)):
-        time = _times(turn * abs(angle) / (2 * pi), dt) + dt
-        angles = angle * _smooth_step(time / time[-1])[0]
-        parts.append(
-            quaternion_multiply(attitude, quaternion_from_rotation_vector(angles[:, None] * axis))
-        )
-        attitude = parts[-1][-1]
-    quaternions = np.concatenate(parts)
-    return quaternions, np.zeros((len(quaternions), 3))
-
-
-def drive(duration: float, dt: float, rng: np.random.Generator) -> Motion:
-    """A robot drives about its half of the field: legs, turns on the way, two ramps, short stops.
-
-    Parameters
-    ----------
-    duration, dt : float  [s]
-        round(duration / dt) samples; the first second stands still.
-    rng : numpy.random.Generator
-        Draws where the legs go, how hard they push, and how long the stops are.
-
-    Returns
-    -------
-    quaternions : ndarray, shape (n, 4)
-    accelerations : ndarray, shape (n, 3)  [m/s^2, map]
-        Up to 3 m/s^2 along the ground.
-
-    Raises
-    ------
-    ValueError
-        A time that is not positive.
-    """
-    time = _times(duration, dt)
-    legs = _legs(time[-1], rng)
-    ramps = {len(legs) // 3, 2 * len(legs) // 3}
-    yaw, tilt, velocity_z = np.zeros((3, len(time)))
-    tilt_axis, accelerations = np.zeros((2, len(time), 3))
-    for k, (start, length, way, turn) in enumerate(legs):
-        progress, speed, push = _smooth_step((time - start) / length)
-        yaw += turn * progress
-        accelerations[:, :2] += way * push[:, None] / length**2
-        if k in ramps:
-            climb = _smooth_step((time - start) / length * 5.0 - 1.0)[0]
-            climb -= _smooth_step((time - start) / length * 5.0 - 3.0)[0]
-            tilt += RAMP * climb
-            tilt_axis += (climb > 0.0)[:, None] * _across(way)
-            velocity_z += np.hypot(*way) * speed / length * np.tan(RAMP * climb)
-    if len(time) > 1:
-        accelerations[:, 2] = np.gradient(velocity_z, time)
-    slope = quaternion_from_rotation_vector(tilt[:, None] * tilt_axis)
-    return quaternion_multiply(slope, quaternion_from_euler(0.0, 0.0, yaw)), accelerations
-
-
-def _legs(
-    duration: float, rng: np.random.Generator
-) -> list[tuple[float, float, FloatArray, float]]:
-    """Start and length [s], way (2,) [m, map] and turn [rad] of each leg, one after the other."""
-    legs, start, place = [], 1.0, FIELD_LOW
-    while start < duration:
-        target = rng.uniform(FIELD_LOW, FIELD_HIGH)
-        turn = rng.uniform(-2.0, 2.0)
-        hardest = 10.0 / sqrt(3.0) * np.hypot(*(target - place)) / rng.uniform(*ACCELERATION)
-        length = max(sqrt(hardest), 1.875 * abs(turn) / TURN_RATE)
-        legs.append((start, length, target - place, turn))
-        start += length + rng.uniform(0.2, 1.0)
-        place = target
-    return legs
-
-
-def _across(way: FloatArray) -> FloatArray:
-    """Axis about which a climb along ``way`` lifts the front: level, to the right of it."""
-    return np.array([way[1], -way[0], 0.0]) / np.hypot(*way)
-
-
-def _smooth_step(u: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """From 0 to 1 while u goes from 0 to 1, with the least jerk; value and two derivatives."""
-    u = np.clip(u, 0.0, 1.0)
-    return (
-        u**3 * (10.0 + u * (6.0 * u - 15.0)),
-        30.0 * u**2 * (1.0 - u) ** 2,
-        60.0 * u * (1.0 - u) * (1.0 - 2.0 * u),
-    )
-
-
-def _convert(reading: FloatArray, limit: float, resolution: float) -> FloatArray:
-    """Cut off at the range, then round to whole steps; adding 0.0 turns -0.0 into 0.0."""
-    return (np.round(np.clip(reading, -limit, limit) / resolution) + 0.0) * resolution
-
-
-def _times(duration: float, dt: float) -> FloatArray:
-    count = round(_positive(duration, "duration") / _positive(dt, "dt"))
-    if count < 1:
-        raise ValueError(f"duration: {duration} s hold no sample at {dt} s each; record longer")
-    return np.arange(count) * dt
-
-
-def _positive(value: float, name: str) -> float:
-    if not 0.0 < value < np.inf:
-        raise ValueError(f"{name}: must be a positive number of seconds, got {value!r}")
-    return float(value)
+"""Sensors that tell the truth; the dead wheels still count whole ticks, the LiDARs millimetres."""

@@ -1,0 +1,392 @@
+"""The simulated robot: physics moves it, sensors watch; `read` and `apply` are all it shows.
+
+Time runs on a grid of 2 ms. Sensors sample on it, whoever asks and how often; ``step`` may end
+between two points of the grid, and then moves the rest of the way next time.
+"""
+
+from __future__ import annotations
+
+from math import floor
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robocon_course import field
+from robocon_course._arrays import FloatArray, as_floats
+from robocon_course.robot import (
+    BATTERY,
+    LIDAR_HEIGHT,
+    LIDARS,
+    Command,
+    LidarReading,
+    Observation,
+)
+from robocon_course.simulator import inertial, lidar, physics
+from robocon_course.simulator.model import RobotModel, game_field
+from robocon_course.simulator.physics import TICK
+from robocon_course.simulator.sensors import SensorModel, ticks_between
+
+START = (*field.START, 0.0)
+"""Where Robot 2 starts [m, m, rad; map]: in its zone, looking towards the other team."""
+LONGEST_STEP = 60.0
+"""A longer `step` is taken for a mistake [s]."""
+UNREAD = 1000
+"""IMU samples that wait for a `read`; of more, the oldest are lost."""
+TEMPERATURE = 25.0
+"""Of the LiDARs [deg C]."""
+_ROWS = 512  # ticks that the track remembers
+_CHUNK = 250  # ticks at a time, fewer than it remembers
+_BLOCK = 256  # rows of noise drawn at a time
+
+
+class Truth(NamedTuple):
+    """What is really so; for graders and plots, never for autonomy.
+
+    Attributes
+    ----------
+    time : float  [s]
+    pose : ndarray, shape (3,)  [m, m, rad; map]
+        Theta is not wrapped.
+    twist : ndarray, shape (3,)  [m/s, m/s, rad/s; base]
+    attitude : ndarray, shape (4,)
+        Unit quaternion (w, x, y, z), base -> map.
+    height : float  [m]
+        Of the floor under the robot's middle, above the ground under the stage.
+    travel : ndarray, shape (n,)  [m]
+        What each dead wheel rolled since the start.
+    module_speeds, module_angles : ndarray, shape (4,)  [m/s, rad]
+    slip : ndarray, shape (4,)  [m/s]
+        Speed of each drive wheel's tread over the floor.
+    battery : float  [V]
+    contact : bool
+        Whether the body touches something.
+    contacts : int
+        How often it began to.
+    """
+
+    time: float
+    pose: FloatArray
+    twist: FloatArray
+    attitude: FloatArray
+    height: float
+    travel: FloatArray
+    module_speeds: FloatArray
+    module_angles: FloatArray
+    slip: FloatArray
+    battery: float
+    contact: bool
+    contacts: int
+
+
+class _Noise:
+    """Rows of standard normal numbers, drawn in order; a window on the latest is kept."""
+
+    def __init__(self, rng: np.random.Generator, width: int) -> None:
+        self.rng = rng
+        self.window = rng.standard_normal((2 * _BLOCK, width))
+        self.first = 0
+
+    def reach(self, row: int) -> None:
+        """Move the window on until it holds a row."""
+        while row >= self.first + 2 * _BLOCK:
+            self.window[:_BLOCK] = self.window[_BLOCK:]
+            self.window[_BLOCK:] = self.rng.standard_normal((_BLOCK, self.window.shape[1]))
+            self.first += _BLOCK
+
+
+class Simulator:
+    """A robot on the game field, without hardware. Ready to use as built, and after each `reset`.
+
+    Parameters
+    ----------
+    model : RobotModel
+        Its true sizes.
+    sensors : SensorModel
+    start : array_like, shape (3,)  [m, m, rad; map]
+
+    Attributes
+    ----------
+    clamped : int
+        Commands that asked for more than the top speed; they were carried out as far as it goes.
+
+    Raises
+    ------
+    ValueError
+        A start that is not a pose, or stands in an obstacle.
+
+    Examples
+    --------
+    >>> robot = Simulator()
+    >>> robot.apply(Command([0.5] * 4, [0.0] * 4))
+    >>> robot.step(2.0)
+    >>> robot.read().ticks.tolist(), robot.truth.pose.round(2).tolist()
+    ([16750, 16750, 0], [1.52, 0.35, 0.0])
+    """
+
+    def __init__(
+        self,
+        model: RobotModel | None = None,
+        *,
+        sensors: SensorModel | None = None,
+        start: ArrayLike = START,
+    ) -> None:
+        self.model = model or RobotModel()
+        self.sensors = sensors or SensorModel()
+        self._body, self._world = self.model.body(), game_field()
+        self._metres_per_tick = self.model.dead_wheels.metres_per_tick
+        self._light = lidar.Surroundings(field.height_map(), *field.ORIGIN, 0.01)
+        self._imu_every = ticks_between(self.sensors.imu_rate)
+        self._imu_table = inertial.error_table(self.sensors.imu, self._imu_every * TICK)
+        self._start = self._free_pose(start)
+        self.reset(0)
+
+    def reset(self, seed: int, start: ArrayLike | None = None) -> None:
+        """Back to the start, at rest, with time and counters at 0.
+
+        Parameters
+        ----------
+        seed : int
+            Of the sensors' noise and the LiDARs' offsets; the same one gives the same run.
+        start : array_like, shape (3,), optional  [m, m, rad; map]
+            Another start, from now on.
+
+        Raises
+        ------
+        ValueError
+            A seed that is not a whole number from 0 on; a start in an obstacle.
+        """
+        if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+            raise ValueError(f"seed: expected a whole number, 0 or more, got {seed!r}")
+        if start is not None:
+            self._start = self._free_pose(start)
+        self.clamped = 0
+        self._tick, self._part = 0, 0.0
+        self._command = np.zeros((2, 4))
+        self._state = self._at_rest(self._start)
+        self._track = np.empty((_ROWS, physics.TRACK))
+        physics.note.py_func(self._state, self._track[0])
+        self._track[1:] = self._track[0]  # it has always stood here
+        self._uncounted = np.zeros_like(self._state.travel)
+        words = np.random.SeedSequence(int(seed)).spawn(3)
+        rngs = [np.random.Generator(np.random.PCG64(word)) for word in words]
+        self._imu_noise = _Noise(rngs[0], inertial.NOISES)
+        self._lidar_noise = _Noise(rngs[1], len(LIDARS))
+        self._lidars = self._drawn_lidars(rngs[2])
+        self._imu_memory = np.zeros(11)
+        inertial.attitude(*self._track[0, [2, 6, 7]], self._imu_memory[:4])
+        self._imu_memory[10] = self._imu_every * TICK
+        self._imu = np.empty((UNREAD, 6))
+        self._unread = 0
+
+    def step(self, dt: float) -> None:
+        """Let time pass.
+
+        Parameters
+        ----------
+        dt : float  [s]
+            Above 0, at most a minute.
+
+        Raises
+        ------
+        ValueError
+            Another dt.
+        """
+        if not 0.0 < dt <= LONGEST_STEP:
+            raise ValueError(f"dt: must be seconds above 0, at most {LONGEST_STEP:g}, got {dt!r}")
+        part = self._part + dt / TICK
+        ticks = floor(part + 1e-6)
+        if ticks and self._part:
+            self._advance((1.0 - self._part) * TICK, 1)
+            self._part, ticks, part = 0.0, ticks - 1, part - 1.0
+        while ticks:
+            chunk = min(ticks, 1 if self.sensors.encoder_gaps else _CHUNK)
+            self._advance(TICK, chunk)
+            ticks, part = ticks - chunk, part - chunk
+        if part - self._part > 1e-6:
+            self._move((part - self._part) * TICK, 1)
+            self._part = part
+
+    def apply(self, command: Command) -> None:
+        """Drive like this from now on, until the next command.
+
+        Parameters
+        ----------
+        command : Command
+            Speeds beyond the top speed are cut, and the command is counted in ``clamped``.
+
+        Raises
+        ------
+        ValueError
+            Not a command, or not four finite numbers each; the command before stays in force.
+        """
+        if not isinstance(command, Command):
+            raise ValueError(
+                f"command: expected Command(speeds, angles), got {type(command).__name__}"
+            )
+        speeds, angles = command.checked()
+        top = self._body.max_speed
+        if np.abs(speeds).max() > top * (1.0 + 1e-9):
+            self.clamped += 1
+            speeds = speeds.clip(-top, top)
+        self._command[0], self._command[1] = speeds, angles
+
+    def read(self) -> Observation:
+        """What the sensors say now; hands over the IMU samples since the last call.
+
+        Returns
+        -------
+        Observation
+        """
+        state, sensors, count = self._state, self.sensors, self._unread
+        samples, self._unread = self._imu[:count].copy(), 0
+        last = self._tick // self._imu_every
+        every = self._imu_every / 500
+        looks = np.empty((len(LIDARS), 3))
+        noise = self._lidar_noise
+        lidar.look(
+            self._track, self._tick, self._lidars, self._light, noise.window, noise.first, looks
+        )
+        return Observation(
+            time=self.time,
+            ticks=np.floor((state.travel - self._uncounted) / self._metres_per_tick).astype(int),
+            imu_time=np.arange(last - count + 1, last + 1) * every,
+            gyro=samples[:, :3],
+            accel=samples[:, 3:],
+            lidar=tuple(
+                LidarReading(tick / 500, distance, int(strength), TEMPERATURE)
+                for tick, distance, strength in looks.tolist()
+            ),
+            module_speeds=np.rint(state.speeds / sensors.speed_step) * sensors.speed_step,
+            module_angles=np.rint(state.angles / sensors.angle_step) * sensors.angle_step,
+            battery=round(float(state.battery[0]), 2),
+        )
+
+    @property
+    def time(self) -> float:
+        """Since the last reset [s]."""
+        return (self._tick + self._part) / 500
+
+    @property
+    def truth(self) -> Truth:
+        """What is really so, for graders and plots: a copy, which nothing can change."""
+        state = self._state
+        theta, (vx, vy, omega) = state.pose[2], state.velocity[:3]
+        c, s = np.cos(theta), np.sin(theta)
+        attitude = np.empty(4)
+        inertial.attitude(theta, state.floor[0], state.floor[1], attitude)
+        twist = np.array([c * vx + s * vy, c * vy - s * vx, omega])
+        arms = self._body.modules @ np.array([(c, s), (-s, c)])
+        over = state.velocity[:2] + omega * arms[:, ::-1] * (-1.0, 1.0)
+        return Truth(
+            time=self.time,
+            pose=state.pose.copy(),
+            twist=twist,
+            attitude=attitude,
+            height=float(state.floor[2]),
+            travel=state.travel.copy(),
+            module_speeds=state.speeds.copy(),
+            module_angles=state.angles.copy(),
+            slip=np.hypot(*(state.wheels[:, 2:4] - over).T),
+            battery=float(state.battery[0]),
+            contact=bool(state.contact[0]),
+            contacts=int(state.contact[1]),
+        )
+
+    # --- inside ----------------------------------------------------------------------------------
+
+    def _free_pose(self, start: ArrayLike) -> FloatArray:
+        """A start, checked."""
+        pose = as_floats(start, "start", 3)
+        x, y, theta = pose
+        if not (0.0 < x < field.SIZE and 0.0 < y < field.SIZE):
+            raise ValueError(f"start: ({x:g}, {y:g}) m lies outside the field")
+        if not np.array_equal(self._at_rest(pose).pose, pose):
+            raise ValueError(
+                f"start: the robot would stand in an obstacle at ({x:g}, {y:g}) m, "
+                f"{np.degrees(theta):.0f} deg; its middle needs 0.325 m to a wall, 0.46 m turned"
+            )
+        return pose.copy()
+
+    def _at_rest(self, pose: FloatArray) -> physics.State:
+        """All that moves, at rest at a pose; pushed aside where an obstacle is."""
+        state = physics.State(
+            pose=pose.copy(),
+            velocity=np.zeros(4),
+            floor=np.zeros(3),
+            angles=np.zeros(4),
+            speeds=np.zeros(4),
+            travel=np.zeros(len(self._body.dead_wheels)),
+            wheels=np.zeros((4, 6)),
+            battery=np.array([BATTERY]),
+            contact=np.zeros(2, np.int64),
+        )
+        physics.advance(
+            state,
+            np.zeros((2, 4)),
+            self._body,
+            self._world,
+            TICK,
+            0,
+            0,
+            np.empty((1, physics.TRACK)),
+        )
+        state.contact[1] = 0
+        return state
+
+    def _drawn_lidars(self, rng: np.random.Generator) -> lidar.Lidars:
+        """This run's LiDARs: offsets, and moments on the grid."""
+        errors, every = self.sensors.lidar, ticks_between(self.sensors.lidar_rate)
+        half = 0.5 * errors.spot
+        return lidar.Lidars(
+            mounts=np.array([(m.x, m.y, LIDAR_HEIGHT, m.angle) for m in LIDARS]),
+            rays=(lidar.SPOT if half else lidar.LINE) * (half, half, 1.0),
+            offsets=rng.uniform(-errors.offset, errors.offset, len(LIDARS)),
+            phases=rng.integers(0, every, len(LIDARS)),
+            every=every,
+            noise=float(errors.noise),
+            band=float(errors.band),
+            step_mm=float(errors.step_mm),
+            reflectivity=float(errors.reflectivity),
+        )
+
+    def _move(self, h: float, ticks: int) -> None:
+        """Run the physics."""
+        state = self._state
+        before = state.travel.copy() if self.sensors.encoder_gaps else None
+        physics.advance(
+            state, self._command, self._body, self._world, h, self._tick + 1, ticks, self._track
+        )
+        for wheel, start, end in self.sensors.encoder_gaps:
+            if start <= self.time < end:
+                self._uncounted[wheel] += state.travel[wheel] - before[wheel]
+
+    def _advance(self, h: float, ticks: int) -> None:
+        """Run the physics to a point of the grid, and let the sensors sample on the way."""
+        self._move(h, ticks)
+        every, before = self._imu_every, self._tick // self._imu_every
+        self._tick += ticks
+        count = self._tick // every - before
+        if count:
+            self._sample_imu(before + 1, count)
+        self._lidar_noise.reach((self._tick // self._lidars.every) + 1)
+
+    def _sample_imu(self, first: int, count: int) -> None:
+        """The IMU's samples number ``first`` and following."""
+        noise = self._imu_noise
+        noise.reach(first + count)
+        lost = max(self._unread + count - UNREAD, 0)
+        if lost:
+            self._imu[: UNREAD - lost] = self._imu[lost:].copy()
+            self._unread -= lost
+        row = first - noise.first
+        inertial.read_track(
+            self._track,
+            first * self._imu_every,
+            self._imu_every,
+            self._imu_table,
+            noise.window[row : row + count],
+            self._imu_memory,
+            self._imu[self._unread : self._unread + count],
+        )
+        self._unread += count
