@@ -38,7 +38,7 @@ def draw_plan(way: ArrayLike | None = field.WAY_TO_AREA_3) -> Figure:
     low = WHOLE_FIELD[0]
     ax.add_patch(Rectangle((right, low), WHOLE_FIELD[1] - right, top - low, **veil))
     _draw_balls(ax)
-    _draw_slopes(ax)
+    _draw_arrows(ax)
     for number, silo in enumerate(field.SILOS, start=1):
         style = {"facecolor": "white", "edgecolor": TRUTH, "linewidth": 1.4, "zorder": 4}
         ax.add_patch(Circle(silo, field.SILO_DIAMETER / 2, **style))
@@ -92,19 +92,13 @@ def _draw_balls(ax: Axes) -> None:
             ax.add_patch(Circle(place, size, linewidth=0.6, zorder=zorder, **style))
 
 
-def _draw_slopes(ax: Axes) -> None:
-    """Edges of slopes, arrow heads up the ramps, and the edges of the steps."""
-    dark = {"color": TRUTH, "alpha": 0.55, "zorder": 4}
-    for slope in (field.RAMP_1, field.RAMP_2, field.SIDE_SLOPE):
-        size = slope.x1 - slope.x0, slope.y1 - slope.y0
-        edge = {"edgecolor": "#00000050", "facecolor": "none", "linewidth": 0.8}
-        ax.add_patch(Rectangle((slope.x0, slope.y0), *size, **edge))
+def _draw_arrows(ax: Axes) -> None:
+    """Arrow heads up the ramps."""
     for ramp in (field.RAMP_1, field.RAMP_2):
         x, _ = ramp.centre
         for y in (ramp.y0 + 0.35, ramp.y0 + 0.6, ramp.y0 + 0.85):
-            ax.plot((x - 0.28, x, x + 0.28), (y - 0.16, y, y - 0.16), linewidth=1.4, **dark)
-    for step in field.STEPS:
-        ax.plot((step.x0, step.x1), (step.y0, step.y1), linewidth=2.2, **dark)
+            style = {"color": TRUTH, "alpha": 0.55, "linewidth": 1.4, "zorder": 4}
+            ax.plot((x - 0.28, x, x + 0.28), (y - 0.16, y, y - 0.16), **style)
 
 
 def _draw_way(ax: Axes, way: FloatArray) -> None:

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator, Mapping
-from functools import cache
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.view.body import RobotPicture, robot_shapes
 from robocon_course.view.canvas import TRUTH, Animation, colours_of, png
 from robocon_course.view.field_picture import Window, draw_field
-from robocon_course.view.raster import Pixels, Scale, paint
+from robocon_course.view.raster import Pixels, Scale, font, paint
 
 LARGEST_GIF = 1_000_000
 """A notebook carries the file inside; larger ones make it slow to open [byte]."""
@@ -127,22 +126,15 @@ def _frame(
 ) -> Image.Image:
     picture = backdrop.copy()
     field = picture[inside].copy()
-    moved = Scale(scale.per_metre, scale.left - inside[1].start, scale.bottom - inside[0].start)
+    moved = scale.moved(inside[1].start, inside[0].start)
     for robot in robots:
         paint(field, robot_shapes(robot), moved)
     picture[inside] = field
     image = Image.fromarray(picture)
-    words = {"anchor": "rd", "fill": TRUTH, "font": _font()}
+    words = {"anchor": "rd", "fill": TRUTH, "font": font(14)}
     corner = (inside[1].stop - 2, inside[0].start - 6)
     ImageDraw.Draw(image).text(corner, f"{now:.1f} s", **words)
     return image
-
-
-@cache
-def _font() -> ImageFont.FreeTypeFont:
-    from matplotlib import font_manager
-
-    return ImageFont.truetype(font_manager.findfont("DejaVu Sans"), 14)
 
 
 def _gif(images: list[Image.Image], time: FloatArray) -> bytes:

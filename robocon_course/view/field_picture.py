@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import cache
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
+from matplotlib.patches import Polygon, Rectangle
 from matplotlib.patheffects import Normal, Stroke
 from matplotlib.ticker import MultipleLocator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robocon_course import field
 from robocon_course._arrays import FloatArray, as_floats
@@ -86,14 +85,6 @@ def draw_field(
     return ax.figure
 
 
-@cache
-def ground() -> NDArray[np.uint8]:
-    """The field's picture at 10 mm, drawn once: row 0 at the smallest y."""
-    picture = field.picture()
-    picture.setflags(write=False)
-    return picture
-
-
 def _robots(robot: Robots | None) -> list[RobotPicture]:
     if robot is None:
         return []
@@ -148,7 +139,7 @@ def _size(window: Window, entries: int) -> tuple[float, float]:
 
 def draw_ground(ax: Axes, window: Window, pale: float) -> None:
     """The floor and the axes of a window, in metres."""
-    picture, origin = ground(), WHOLE_FIELD[0]
+    picture, origin = field.picture(), WHOLE_FIELD[0]
     cells = len(picture) / (WHOLE_FIELD[1] - origin)
     low = [max(0, int((edge - origin) * cells)) for edge in window[::2]]
     high = [int((edge - origin) * cells) + 1 for edge in window[1::2]]
@@ -158,12 +149,26 @@ def draw_ground(ax: Axes, window: Window, pale: float) -> None:
         x, y = (origin + np.array(low) / cells).tolist()
         extent = (x, x + part.shape[1] / cells, y, y + part.shape[0] / cells)
         ax.imshow(shown, origin="lower", extent=extent, interpolation="antialiased")
+    _draw_edges(ax)
     ax.set(xlim=window[:2], ylim=window[2:], aspect="equal", xlabel="x [m]", ylabel="y [m]")
     step = 0.5 if min(window[1] - window[0], window[3] - window[2]) <= 3.5 else 1.0
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(MultipleLocator(step))
     ax.grid(color="black", linewidth=0.6, alpha=0.1)  # paler than any line of the field
     ax.spines[:].set_visible(False)
+
+
+def _draw_edges(ax: Axes) -> None:
+    """What has one colour on both sides: the edges of ramps and steps, in both halves."""
+    thin = {"facecolor": "none", "edgecolor": "#00000050", "linewidth": 0.8}
+    dark = {"color": TRUTH, "alpha": 0.55, "linewidth": 2.2, "solid_capstyle": "butt", "zorder": 1}
+    for mirror in (lambda x: x, lambda x: field.SIZE - x):
+        for slope in (field.RAMP_1, field.RAMP_2, field.SIDE_SLOPE):
+            left, right = sorted((mirror(slope.x0), mirror(slope.x1)))
+            size = right - left, slope.y1 - slope.y0
+            ax.add_patch(Rectangle((left, slope.y0), *size, **thin))
+        for step in field.STEPS:
+            ax.plot((mirror(step.x0), mirror(step.x1)), (step.y0, step.y1), **dark)
 
 
 def draw_tracks(ax: Axes, tracks: Mapping[str, FloatArray]) -> None:

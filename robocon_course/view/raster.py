@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import ImageFont
 
 from robocon_course._arrays import FloatArray
 from robocon_course.view.body import Shape
@@ -34,6 +36,10 @@ class Scale(NamedTuple):
         """Columns and rows of points [m, map], shape (n, 2); a pixel's middle lies at a half."""
         return np.array([self.left, self.bottom]) + points * [self.per_metre, -self.per_metre]
 
+    def moved(self, columns: int, rows: int) -> Scale:
+        """The scale of a piece that begins so many columns and rows further."""
+        return self._replace(left=self.left - columns, bottom=self.bottom - rows)
+
 
 def paint(picture: Pixels, shapes: Iterable[Shape], scale: Scale) -> None:
     """Paint polygons over a picture, with smooth edges."""
@@ -42,7 +48,7 @@ def paint(picture: Pixels, shapes: Iterable[Shape], scale: Scale) -> None:
     for shape in shapes:
         fine = (scale.pixels(shape.corners) - 0.5) * (1 << FRACTION_BITS)
         corners = np.round(fine).astype(np.int32)[None]
-        colour = tuple(int(shape.colour[k : k + 2], 16) for k in (1, 3, 5))
+        colour = rgb(shape.colour)
         style = {"lineType": cv2.LINE_AA, "shift": FRACTION_BITS}
         if shape.opacity == 1.0:
             cv2.fillPoly(picture, corners, colour, **style)
@@ -50,3 +56,17 @@ def paint(picture: Pixels, shapes: Iterable[Shape], scale: Scale) -> None:
             over = picture.copy()
             cv2.fillPoly(over, corners, colour, **style)
             cv2.addWeighted(over, shape.opacity, picture, 1.0 - shape.opacity, 0.0, dst=picture)
+
+
+def rgb(colour: str) -> tuple[int, int, int]:
+    """Red, green and blue of a colour such as ``#0072B2``."""
+    red, green, blue = bytes.fromhex(colour.removeprefix("#"))
+    return red, green, blue
+
+
+@cache
+def font(size: int) -> ImageFont.FreeTypeFont:
+    """The plots' font, for words in a picture of pixels."""
+    from matplotlib import font_manager
+
+    return ImageFont.truetype(font_manager.findfont("DejaVu Sans"), size)

@@ -37,7 +37,7 @@ def explore(draw: Drawing, /, **sliders: tuple[float, float, float, float] | lis
         _check(name, spec)
     start = {name: s[0] if isinstance(s, list) else s[3] for name, s in sliders.items()}
     figure, twin = draw(**start)
-    if not _has_sliders():
+    if not has_sliders():
         show(figure, twin)
         values = ", ".join(f"{name} = {value}" for name, value in start.items())
         print(f"Sliders need ipywidgets and a notebook; the figure above is for {values}.")
@@ -109,7 +109,7 @@ def _check(name: str, spec: Any) -> None:
         raise ValueError(f"{name}: expected smallest <= start <= largest and step > 0, got {spec}")
 
 
-def _has_sliders() -> bool:
+def has_sliders() -> bool:
     """Whether a kernel runs this (a terminal has no sliders) and ipywidgets is installed."""
     if not in_ipython() or find_spec("ipywidgets") is None:
         return False
