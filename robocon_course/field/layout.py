@@ -132,7 +132,7 @@ OBSTACLES = (
     DIVIDER_1,
     DIVIDER_2,
     SILO_ZONE,
-    Rect("other half", 6.125, -_RIM, SIZE + _RIM, SIZE + _RIM, 0.35, GREY),
+    Rect("other half", SIZE / 2, -_RIM, SIZE + _RIM, SIZE + _RIM, 0.35, GREY),
 )
 """What the chassis cannot enter."""
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.field import layout, raster
+from robocon_course.field.raster import ORIGIN
 from robocon_course.gridmap import GridMap
 
 FLOOR_TABLE: FloatArray = np.array(
@@ -83,11 +84,11 @@ def _obstacle_map(count: int, resolution: float) -> GridMap:
     """`obstacle_map`, once per resolution."""
     free = np.ones((count, count), dtype=bool)
     for rect in layout.OBSTACLES:
-        edges = (np.array(rect[1:5]) - raster.ORIGIN[0]) / resolution
+        edges = (np.array(rect[1:5]) - ORIGIN[0]) / resolution
         x0, y0 = np.floor(edges[:2] + 1e-6).astype(int)
         x1, y1 = np.ceil(edges[2:] - 1e-6).astype(int)
         free[y0:y1, x0:x1] = False
-    return GridMap(free, resolution, raster.ORIGIN)
+    return GridMap(free, resolution, ORIGIN)
 
 
 def height_map(resolution: float = 0.01) -> NDArray[np.float32]:
