@@ -5,14 +5,17 @@
 
 Each step is a function of its own; each can be left out, and each can be the student's.
 
-=============  ===========================================================
+=============  ====================================================================
 ``modules``    `SwerveDrive`, twist -> speed and angle of each module, and what makes the
                command kinder: shorter turns, limits, compensation
 ``motion``     modules -> twist with residual; field-centric command, discretisation,
                and the control law that leads to a still or moving target
-=============  ===========================================================
+``following``  that law at work: a robot without mass behind a still or moving target
+``slip``       which wheel slips: the one without which the others agree
+=============  ====================================================================
 """
 
+from robocon_course.swerve.following import Following, Target, circle, figure_eight, follow
 from robocon_course.swerve.modules import (
     REST,
     ModuleTargets,
@@ -30,17 +33,25 @@ from robocon_course.swerve.motion import (
     field_to_robot,
     pose_feedback,
 )
+from robocon_course.swerve.slip import NO_SLIP, find_slip
 
 __all__ = [
+    "NO_SLIP",
     "REST",
     "BodyMotion",
+    "Following",
     "ModuleTargets",
     "SwerveDrive",
+    "Target",
     "body_motion",
     "body_twist",
+    "circle",
     "cosine_compensation",
     "discretize",
     "field_to_robot",
+    "figure_eight",
+    "find_slip",
+    "follow",
     "limit_speeds",
     "module_targets",
     "pose_feedback",

@@ -6,8 +6,10 @@ The module at r = (x, y) has to move with the velocity of its own place, v + ω 
 
 which are two rows of the wheel matrix: a virtual wheel that rolls forward, and one that rolls left.
 
-Source: Analisis kinematika ... four-wheel swerve robot, Polinema Malang, 2022, equations 16 to 23
-(with atan2 in 21); desaturation and optimisation: WPILib documentation, Swerve Drive Kinematics.
+Source: I. Siradjuddin, S. Wibowo, A. Rofiq, Modelling and simulation of the kinematics of a
+four-wheel swerve robot (in Indonesian), Politeknik Negeri Malang, 2022, equations 16 to 22 (with
+the rotation of 17, and atan2 in 21); desaturation, optimisation and cosine compensation: WPILib
+documentation, Swerve Drive Kinematics.
 """
 
 from __future__ import annotations
@@ -27,6 +29,8 @@ from robocon_course.geometry import wrap_angle
 
 REST = 1e-4
 """Slower than this a module counts as still, and its angle is kept [m/s]."""
+APART = 1e-3
+"""Modules nearer to each other than this cannot feel a turn [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,30 +40,32 @@ class SwerveDrive:
     Attributes
     ----------
     positions : array_like, shape (m, 2)  [m, base]
-        At least two modules, not all in one place.
+        At least two modules, not all in one place; the order is that of all speeds and angles.
 
     Raises
     ------
     ValueError
-        Wrong shape, an entry that is not finite, or modules all in one place.
+        Wrong shape, an entry that is not finite, or modules all within a millimetre.
     """
 
     positions: ArrayLike
 
     def __post_init__(self) -> None:
         positions = as_floats(self.positions, "positions", None, 2).copy()
-        if len(positions) < 2 or not np.ptp(positions, axis=0).any():
-            raise ValueError("positions: a swerve drive needs two modules in different places")
+        if len(positions) < 2 or np.ptp(positions, axis=0).max() < APART:
+            raise ValueError(
+                "positions: a swerve drive needs two modules in different places, "
+                f"got {positions.tolist()}"
+            )
         positions.flags.writeable = False
         object.__setattr__(self, "positions", positions)
 
     @cached_property
     def matrix(self) -> FloatArray:
         """(m forward components, m left components) = matrix @ twist; shape (2 m, 3)."""
-        m = len(self.positions)
-        forward, left = np.zeros(m), np.full(m, np.pi / 2)
-        twice = np.concatenate([self.positions, self.positions])
-        return wheel_matrix(twice, np.concatenate([forward, left])).round(15)
+        twice = np.tile(self.positions, (2, 1))
+        directions = np.repeat([0.0, np.pi / 2], len(self.positions))
+        return wheel_matrix(twice, directions).round(15)  # cos(pi / 2) is 6e-17 in floats
 
     @cached_property
     def solver(self) -> FloatArray:
@@ -99,7 +105,15 @@ def fill_targets(
 ) -> None:
     """Targets for each row of ``twists``, written into ``speeds`` and ``angles``.
 
-    ``hold_angles`` has one row for each twist, or one for all of them.
+    The kernel behind `module_targets`, for loops that count nanoseconds. It trusts its input.
+
+    Parameters
+    ----------
+    positions : ndarray of float64, shape (m, 2)  [m, base]
+    twists : ndarray of float64, shape (n, 3)  [m/s, m/s, rad/s; base]
+    hold_angles : ndarray of float64, shape (1, m) or (n, m)  [rad, base]
+    speeds, angles : ndarray of float64, shape (n, m)  [m/s, rad]
+        Filled.
     """
     hold_rows = len(hold_angles)
     for k in range(len(twists)):
@@ -136,7 +150,7 @@ def module_targets(drive: Drive, twist: ArrayLike, hold_angles: ArrayLike) -> Mo
 
     Notes
     -----
-    Polinema 2022, equations 16 to 23.
+    Siradjuddin 2022, equations 16 to 22.
 
     Examples
     --------
@@ -150,10 +164,8 @@ def module_targets(drive: Drive, twist: ArrayLike, hold_angles: ArrayLike) -> Mo
     drive = as_drive(drive)
     twist = as_floats(twist, "twist", *(None,) * (np.ndim(twist) - 1), 3)
     m = len(drive.positions)
-    held = as_floats(hold_angles, "hold_angles", *(None,) * (np.ndim(hold_angles) - 1), m)
     shape = (*twist.shape[:-1], m)
-    if held.ndim > 1 and held.shape != shape:
-        raise ValueError(f"hold_angles: expected shape ({m},) or {shape}, got {held.shape}")
+    held = _angles_now(hold_angles, "hold_angles", shape)
     targets = ModuleTargets(np.empty(shape), np.empty(shape))
     fill_targets(
         drive.positions,
@@ -171,7 +183,7 @@ def shortest_turn(targets: ModuleTargets, angles: ArrayLike) -> ModuleTargets:
     Parameters
     ----------
     targets : ModuleTargets, shape (..., m)
-    angles : array_like, shape (..., m)  [rad, base]
+    angles : array_like, shape (m,) or (..., m)  [rad, base]
         Angles the modules have now; a steering that counts its turns may have any number.
 
     Returns
@@ -190,7 +202,7 @@ def shortest_turn(targets: ModuleTargets, angles: ArrayLike) -> ModuleTargets:
     [-1.0]
     """
     speeds, wanted = _checked(targets)
-    now = as_floats(angles, "angles", *wanted.shape)
+    now = _angles_now(angles, "angles", wanted.shape)
     turn = wrap_angle(wanted - now)
     flip = np.abs(turn) > np.pi / 2
     turn = np.where(flip, turn - np.copysign(np.pi, turn), turn)
@@ -218,8 +230,10 @@ def limit_speeds(targets: ModuleTargets, max_speed: float) -> ModuleTargets:
     speeds, angles = _checked(targets)
     if not 0.0 < max_speed < np.inf:
         raise ValueError(f"max_speed: expected metres per second above 0, got {max_speed}")
-    fastest = np.abs(speeds).max(axis=-1, keepdims=True, initial=0.0)
-    return ModuleTargets(speeds * (max_speed / np.maximum(fastest, max_speed)), angles)
+    fastest = np.abs(speeds).max(axis=-1, keepdims=True, initial=max_speed)
+    # Divided first: the fastest then gets the limit to the bit, never a rounding above it.
+    slowed = speeds / fastest * max_speed
+    return ModuleTargets(np.where(fastest > max_speed, slowed, speeds), angles)
 
 
 def cosine_compensation(targets: ModuleTargets, angles: ArrayLike) -> ModuleTargets:
@@ -228,7 +242,7 @@ def cosine_compensation(targets: ModuleTargets, angles: ArrayLike) -> ModuleTarg
     Parameters
     ----------
     targets : ModuleTargets, shape (..., m)
-    angles : array_like, shape (..., m)  [rad, base]
+    angles : array_like, shape (m,) or (..., m)  [rad, base]
         Angles the modules have now.
 
     Returns
@@ -243,11 +257,23 @@ def cosine_compensation(targets: ModuleTargets, angles: ArrayLike) -> ModuleTarg
         Wrong shapes, or an entry that is not finite.
     """
     speeds, wanted = _checked(targets)
-    now = as_floats(angles, "angles", *wanted.shape)
+    now = _angles_now(angles, "angles", wanted.shape)
     return ModuleTargets(speeds * np.cos(wanted - now), wanted)
 
 
 def _checked(targets: ModuleTargets) -> ModuleTargets:
-    speeds, angles = targets
-    speeds = as_floats(speeds, "targets.speeds", *(None,) * np.ndim(speeds))
+    try:
+        speeds, angles = targets
+    except (TypeError, ValueError):
+        kind = type(targets).__name__
+        raise ValueError(f"targets: expected ModuleTargets (speeds, angles), got {kind}") from None
+    speeds = as_floats(speeds, "targets.speeds", *(None,) * max(np.ndim(speeds), 1))
     return ModuleTargets(speeds, as_floats(angles, "targets.angles", *speeds.shape))
+
+
+def _angles_now(angles: ArrayLike, name: str, shape: tuple[int, ...]) -> FloatArray:
+    """Angles of the modules as they are: one row for all targets, or one for each."""
+    angles = as_floats(angles, name, *(None,) * (np.ndim(angles) - 1), shape[-1])
+    if angles.ndim > 1 and angles.shape != shape:
+        raise ValueError(f"{name}: expected shape ({shape[-1]},) or {shape}, got {angles.shape}")
+    return angles

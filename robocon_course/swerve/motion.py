@@ -6,7 +6,9 @@ the twist; what is left over, the residual, is how badly the wheels disagree: a 
     twist = pinv(A) c,   residual = |A twist - c|,   c = (speed cos angle, speed sin angle)
 
 Source: WPILib documentation, Swerve Drive Kinematics (forward kinematics by pseudo-inverse,
-discretisation); Polinema Malang, 2022, section on the control law (ξ = -λ (x - x*)).
+discretisation); I. Siradjuddin, S. Wibowo, A. Rofiq, Modelling and simulation of the kinematics of
+a four-wheel swerve robot (in Indonesian), Politeknik Negeri Malang, 2022, equations 13 to 17
+(field to robot) and 24 to 27 (control law ξ = -λ (x - x*)).
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from numba import njit
 from numpy.typing import ArrayLike
 
 from robocon_course._arrays import FloatArray, as_floats, as_vectors
-from robocon_course.geometry import se2_log, wrap_angle
+from robocon_course.geometry import TURN, se2_log, wrap_angle
 from robocon_course.swerve.modules import Drive, as_drive
 
 
@@ -29,9 +31,9 @@ class BodyMotion(NamedTuple):
     Attributes
     ----------
     twist : ndarray, shape (..., 3)  [m/s, m/s, rad/s; base]
-    residual : ndarray or float, shape (...)  [m/s]
-        Root mean square of what the modules' velocities differ from that of the twist; with
-        four wheels that roll, the noise of their encoders.
+    residual : ndarray, shape (...)  [m/s]
+        How far a module's velocity is from what the twist gives its place: root mean square over
+        the modules. Of wheels that roll it is less than their encoders' noise.
     """
 
     twist: FloatArray
@@ -47,20 +49,33 @@ def fill_motion(
     twists: FloatArray,
     residuals: FloatArray,
 ) -> None:
-    """Twist and residual of each row, written into ``twists`` and ``residuals``."""
+    """Twist and residual of each row, written into ``twists`` and ``residuals``.
+
+    The kernel behind `body_motion`, for loops that count nanoseconds. It trusts its input.
+
+    Parameters
+    ----------
+    positions : ndarray of float64, shape (m, 2)  [m, base]
+    solver : ndarray of float64, shape (3, 2 m)
+        As in `SwerveDrive`.
+    speeds, angles : ndarray of float64, shape (n, m)  [m/s, rad]
+    twists : ndarray of float64, shape (n, 3)  [m/s, m/s, rad/s; base]
+        Filled.
+    residuals : ndarray of float64, shape (n,)  [m/s]
+        Filled.
+    """
     m = len(positions)
-    forward, left = np.empty(m), np.empty(m)
     for k in range(len(speeds)):
         vx = vy = omega = total = 0.0
         for i in range(m):
-            forward[i] = speeds[k, i] * cos(angles[k, i])
-            left[i] = speeds[k, i] * sin(angles[k, i])
-            vx += solver[0, i] * forward[i] + solver[0, m + i] * left[i]
-            vy += solver[1, i] * forward[i] + solver[1, m + i] * left[i]
-            omega += solver[2, i] * forward[i] + solver[2, m + i] * left[i]
-        for i in range(m):
-            a = forward[i] - (vx - omega * positions[i, 1])
-            b = left[i] - (vy + omega * positions[i, 0])
+            forward = speeds[k, i] * cos(angles[k, i])
+            left = speeds[k, i] * sin(angles[k, i])
+            vx += solver[0, i] * forward + solver[0, m + i] * left
+            vy += solver[1, i] * forward + solver[1, m + i] * left
+            omega += solver[2, i] * forward + solver[2, m + i] * left
+        for i in range(m):  # sine and cosine once more: for a single row cheaper than memory
+            a = speeds[k, i] * cos(angles[k, i]) - (vx - omega * positions[i, 1])
+            b = speeds[k, i] * sin(angles[k, i]) - (vy + omega * positions[i, 0])
             total += a * a + b * b
         twists[k, 0], twists[k, 1], twists[k, 2] = vx, vy, omega
         residuals[k] = sqrt(total / m)
@@ -78,25 +93,31 @@ def body_motion(drive: Drive, speeds: ArrayLike, angles: ArrayLike) -> BodyMotio
     Returns
     -------
     BodyMotion
-        Twist (..., 3) and residual (...).
+        Twist (..., 3) and residual (...). A reading that is not finite makes its row NaN.
 
     Raises
     ------
     ValueError
-        Wrong shapes, or an entry that is not finite.
+        Wrong shapes. Never for a reading: this runs in a control loop.
+
+    Notes
+    -----
+    WPILib, forward kinematics. Of four modules in a square, one that is off by e leaves a residual
+    between 0.35 e (off along the circle round the centre) and 0.43 e (off along the radius); the
+    twist takes up the rest. Modules that all agree with a wrong motion leave none.
 
     Examples
     --------
-    One of four wheels spins on a wet spot.
+    One of four wheels spins on a wet spot, 1 m/s too fast.
 
     >>> square = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]
     >>> float(body_motion(square, [1.0, 1.0, 1.0, 2.0], np.zeros(4)).residual.round(3))
-    0.354
+    0.395
     """
     drive = as_drive(drive)
     m = len(drive.positions)
-    speeds = as_floats(speeds, "speeds", *(None,) * (np.ndim(speeds) - 1), m)
-    angles = as_floats(angles, "angles", *speeds.shape)
+    speeds = as_floats(speeds, "speeds", *(None,) * (np.ndim(speeds) - 1), m, finite=False)
+    angles = as_floats(angles, "angles", *speeds.shape, finite=False)
     motion = BodyMotion(np.empty((*speeds.shape[:-1], 3)), np.empty(speeds.shape[:-1]))
     fill_motion(
         drive.positions,
@@ -121,11 +142,12 @@ def body_twist(drive: Drive, speeds: ArrayLike, angles: ArrayLike) -> FloatArray
     Returns
     -------
     ndarray, shape (..., 3)  [m/s, m/s, rad/s; base]
+        A reading that is not finite makes its row NaN.
 
     Raises
     ------
     ValueError
-        Wrong shapes, or an entry that is not finite.
+        Wrong shapes.
 
     Examples
     --------
@@ -147,11 +169,16 @@ def field_to_robot(twist: ArrayLike, theta: ArrayLike) -> FloatArray:
     Returns
     -------
     ndarray, shape (..., 3)  [m/s, m/s, rad/s; base]
+        Leading axes broadcast.
 
     Raises
     ------
     ValueError
-        The last axis of ``twist`` is not 3 long.
+        The last axis of ``twist`` is not 3 long, or ``theta`` is no number.
+
+    Notes
+    -----
+    Siradjuddin 2022, equation 17: the rotation by -theta.
 
     Examples
     --------
@@ -161,6 +188,7 @@ def field_to_robot(twist: ArrayLike, theta: ArrayLike) -> FloatArray:
     [0.0, -1.0, 0.0]
     """
     vx, vy, omega = np.moveaxis(as_vectors(twist, "twist", 3), -1, 0)
+    theta = as_floats(theta, "theta", *(None,) * np.ndim(theta), finite=False)
     c, s = np.cos(theta), np.sin(theta)
     parts = np.broadcast_arrays(c * vx + s * vy, c * vy - s * vx, omega)
     return np.stack(parts, axis=-1)
@@ -169,8 +197,8 @@ def field_to_robot(twist: ArrayLike, theta: ArrayLike) -> FloatArray:
 def discretize(twist: ArrayLike, dt: float) -> FloatArray:
     """The twist to command so that after ``dt`` the robot is where the wanted one meant.
 
-    A twist holds in the robot's axes, which turn while it drives. "Forward and turn" then drifts
-    sideways (skew); this aims to the other side by as much.
+    A twist holds in the robot's axes, which turn while it drives. "Forward and turn left" then
+    drifts to the left (skew); this aims to the right by as much.
 
     Parameters
     ----------
@@ -185,15 +213,24 @@ def discretize(twist: ArrayLike, dt: float) -> FloatArray:
     Raises
     ------
     ValueError
-        The last axis is not 3 long, or dt is not positive.
+        The last axis is not 3 long, dt is not positive, or the robot would turn by a whole turn
+        or more: no held twist does that and ends elsewhere.
 
     Notes
     -----
     log of the pose (vx dt, vy dt, omega dt), divided by dt.
+
+    Examples
+    --------
+    >>> discretize([1.0, 0.0, 2.0], 0.1).round(4).tolist()
+    [0.9967, -0.1, 2.0]
     """
     if not 0.0 < dt < np.inf:
         raise ValueError(f"dt: expected seconds above 0, got {dt}")
-    return se2_log(as_vectors(twist, "twist", 3) * dt) / dt
+    motion = as_vectors(twist, "twist", 3) * dt
+    if (np.abs(motion[..., 2]) >= TURN).any():
+        raise ValueError(f"dt: in {dt} s the robot would turn by a whole turn; take shorter steps")
+    return se2_log(motion) / dt
 
 
 def pose_feedback(
@@ -214,7 +251,7 @@ def pose_feedback(
     Returns
     -------
     ndarray, shape (..., 3)  [m/s, m/s, rad/s; map]
-        Turns the shorter way round.
+        Turns the shorter way round. For the robot's own axes: `field_to_robot`.
 
     Raises
     ------
@@ -223,7 +260,12 @@ def pose_feedback(
 
     Notes
     -----
-    Polinema 2022: ξ = -λ (x - x*), here plus the target's velocity.
+    Siradjuddin 2022, equation 27: ξ = -λ (x - x*), here plus the target's velocity.
+
+    Examples
+    --------
+    >>> pose_feedback([0.0, 0.0, 3.0], [1.0, 0.0, -3.0], 0.5).round(3).tolist()
+    [0.5, 0.0, 0.142]
     """
     if not 0.0 < gain < np.inf:
         raise ValueError(f"gain: expected a rate above 0 in 1/s, got {gain}")
