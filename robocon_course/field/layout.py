@@ -6,7 +6,8 @@ half, with the colours of the red team; the opponent's half is its mirror image,
 silos stand on the centre line and belong to both.
 
 Source: the rulebook's top view and two teams' CAD models and program constants, which agree to
-about 10 mm. Where CAD and drawing differ, the value lies between them.
+about 10 mm. Where CAD and drawing differ, the value lies between them. What rests on one source, or
+on none, says so beside its value.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ PURPLE: Colour = (160, 85, 155)
 
 
 class Rect(NamedTuple):
-    """A rectangle of floor.
+    """A rectangle of floor, or a box that stands on it.
 
     Attributes
     ----------
@@ -36,7 +37,7 @@ class Rect(NamedTuple):
     x0, y0, x1, y1 : float  [m, map]
         Lower left and upper right corner.
     height : float  [m]
-        Floor at (x0, y0).
+        Floor at (x0, y0), or top of the box, above the ground under the stage.
     colour : (r, g, b), 0 to 255
     slope : (float, float)
         Rise of the floor per metre along x and along y.
@@ -115,7 +116,8 @@ FENCES = (
     Rect("start fence", 0.0, -_RIM, SIZE / 2, 0.0, 0.15, GREY),
     Rect("end fence", 0.0, SIZE, SIZE / 2, SIZE + _RIM, 0.35, GREY),
 )
-"""Boards around our half: 0.10 m above the floor beside them, 0.20 m in the Storage Zone."""
+"""Boards around our half: 0.10 m above the floor beside them, 0.20 m in the Storage Zone. One CAD
+model has 0.12 m, but stands 0.02 m too high."""
 LEDGES = (
     Rect("ledge of Area 2", 1.0, 3.95, EDGE, 4.0, 0.15, GREY),
     Rect("side of ramp 1", 1.0, 3.0, 1.05, 4.0, 0.15, GREY),

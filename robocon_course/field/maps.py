@@ -49,7 +49,12 @@ def floor_height(x: ArrayLike, y: ArrayLike) -> FloatArray:
     """
     x = as_floats(x, "x", *(None,) * np.ndim(x))
     y = as_floats(y, "y", *(None,) * np.ndim(y))
-    x, y = np.broadcast_arrays(x.clip(0.0, layout.SIZE), y.clip(0.0, layout.SIZE))
+    try:
+        x, y = np.broadcast_arrays(x.clip(0.0, layout.SIZE), y.clip(0.0, layout.SIZE))
+    except ValueError:
+        raise ValueError(
+            f"y: shape {y.shape} does not fit x of shape {x.shape}; give one y for each x"
+        ) from None
     x = np.minimum(x, layout.SIZE - x)  # the other half mirrors ours
     height = np.full(x.shape, np.nan)
     for x0, y0, x1, y1, foot, slope_x, slope_y in FLOOR_TABLE:
