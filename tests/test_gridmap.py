@@ -1,0 +1,362 @@
+"""Grid maps: points and cells, room for a robot, and ROS map files."""
+
+from __future__ import annotations
+
+import warnings
+from math import hypot, inf, nan
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import array_shapes, arrays
+from PIL import Image
+
+from robocon_course import gridmap
+from robocon_course.gridmap import GridMap, inflate, load_map, save_map
+
+bitmaps = arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, max_side=12))
+resolutions = st.sampled_from([0.01, 0.05, 0.1, 0.3, 1.0, 7.0])
+metres = st.floats(-50.0, 50.0).map(lambda v: round(v, 4))
+grids = st.builds(GridMap, bitmaps, resolutions, st.tuples(metres, metres))
+
+
+# --- points and cells -------------------------------------------------------------------------
+
+
+def test_cells_counts_rows_from_the_smallest_y_and_columns_from_the_smallest_x():
+    grid = GridMap(np.ones((4, 6), dtype=bool), 0.5, (-1.0, 2.0))
+    assert grid.cells([-0.9, 2.1]).tolist() == [0, 0]
+    assert grid.cells([[1.9, 2.1], [-0.9, 3.9]]).tolist() == [[0, 5], [3, 0]]
+    assert grid.centres([3, 0]).tolist() == [-0.75, 3.75]
+    assert grid.shape == (4, 6) and grid.extent == (-1.0, 2.0, 2.0, 4.0)
+
+
+def test_a_point_on_a_shared_edge_belongs_to_the_cell_further_up_and_right():
+    grid = GridMap(np.ones((2, 2), dtype=bool), 0.5)
+    assert grid.cells([0.5, 0.5]).tolist() == [1, 1]
+
+
+@given(grids, st.data())
+def test_the_middle_of_a_cell_lies_in_that_cell(grid, data):
+    rows, cols = grid.shape
+    cell = [data.draw(st.integers(-2, rows + 1)), data.draw(st.integers(-2, cols + 1))]
+    middle = grid.centres(cell)
+    assert grid.cells(middle).tolist() == cell
+    inside = 0 <= cell[0] < rows and 0 <= cell[1] < cols
+    assert grid.contains(middle) == inside
+    assert grid.is_free(middle) == (inside and grid.free[tuple(cell)])
+
+
+def test_shapes_of_many_points_are_kept():
+    grid = GridMap(np.eye(3, dtype=bool), 1.0)
+    points = grid.centres(np.argwhere(np.ones((3, 3), dtype=bool)).reshape(3, 3, 2))
+    assert grid.cells(points).shape == points.shape == (3, 3, 2)
+    assert grid.is_free(points).tolist() == np.eye(3, dtype=bool).tolist()
+    assert grid.is_free(np.empty((0, 2))).shape == (0,)
+
+
+def test_nothing_outside_the_map_is_free_and_neither_is_nowhere():
+    grid = GridMap(np.ones((2, 2), dtype=bool), 1.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        outside = [[-0.1, 0.5], [0.5, 2.1], [nan, 0.5], [0.5, inf], [1e300, 0.5]]
+        assert not grid.contains(outside).any()
+        assert not grid.is_free(outside).any()
+
+
+def test_a_map_keeps_its_own_copy_that_nobody_can_change():
+    free = np.ones((2, 2), dtype=bool)
+    grid = GridMap(free, 1.0)
+    free[0, 0] = False
+    assert grid.free.all()
+    with pytest.raises(ValueError, match="read-only"):
+        grid.free[0, 0] = False
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ((np.ones((2, 2)), 1.0), "free: .*bool.* got float64"),
+        ((np.ones(4, dtype=bool), 1.0), r"free: .*shape \(4,\)"),
+        ((np.ones((0, 3), dtype=bool), 1.0), "free: "),
+        ((np.ones((2, 2), dtype=bool), 0.0), "resolution: must be a positive"),
+        ((np.ones((2, 2), dtype=bool), -1.0), "resolution: must be a positive"),
+        ((np.ones((2, 2), dtype=bool), nan), "resolution: .*not a finite number"),
+        ((np.ones((2, 2), dtype=bool), 1.0, (nan, 0.0)), "origin: .*not a finite number"),
+        ((np.ones((2, 2), dtype=bool), 1.0, (0.0,)), "origin: expected shape"),
+    ],
+)
+def test_a_map_that_makes_no_sense_is_refused(arguments, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        GridMap(*arguments)
+
+
+@pytest.mark.parametrize("points", [[nan, 0.0], [0.0, inf]])
+def test_a_point_that_is_not_finite_has_no_cell(points):
+    with pytest.raises(ValueError, match=r"xy: .*not finite"):
+        GridMap(np.ones((2, 2), dtype=bool), 1.0).cells(points)
+
+
+@pytest.mark.parametrize("method", ["cells", "contains", "is_free", "centres"])
+def test_points_of_another_dimension_are_refused(method):
+    with pytest.raises(ValueError, match="expected shape"):
+        getattr(GridMap(np.ones((2, 2), dtype=bool), 1.0), method)([1.0, 2.0, 3.0])
+
+
+# --- inflate ----------------------------------------------------------------------------------
+
+
+def naive_inflate(grid: GridMap, radius: float) -> np.ndarray:
+    """By definition: look at the gap to every cell that is not free, the rim outside included."""
+    rows, cols = grid.shape
+    padded = np.pad(grid.free, 1, constant_values=False)
+    blocked = np.argwhere(~padded) - 1
+    limit = radius * (1.0 - 1e-9)
+    free = grid.free.copy()
+    for row in range(rows):
+        for col in range(cols):
+            for other in blocked:
+                up, across = (max(abs(k) - 1, 0) for k in other - (row, col))
+                if radius > 0.0 and hypot(up, across) * grid.resolution < limit:
+                    free[row, col] = False
+    return free
+
+
+@settings(deadline=None)
+@given(grids, st.floats(0.0, 8.0))
+def test_inflate_agrees_with_its_definition(grid, cells):
+    radius = cells * grid.resolution
+    # The limit is a matter of rounding where a whole number of squares meets it exactly.
+    assume(cells == 0.0 or abs(cells**2 - round(cells**2)) > 1e-6 or cells == round(cells))
+    grown = inflate(grid, radius)
+    assert grown.free.tolist() == naive_inflate(grid, radius).tolist()
+    assert grown.origin == grid.origin and grown.resolution == grid.resolution
+
+
+def test_a_robot_anywhere_in_a_free_cell_keeps_clear_of_every_point_of_every_obstacle():
+    rng = np.random.default_rng(5)
+    grid = GridMap(rng.random((40, 40)) > 0.01, 0.05)
+    radius = 0.325
+    cells = np.argwhere(inflate(grid, radius).free)
+    assert len(cells) > 20
+    corners = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
+    edges = (cells[:, None] + corners).reshape(-1, 2) * 0.05  # (y, x) of the free cells' corners
+    low = np.argwhere(~grid.free) * 0.05
+    nearest = np.clip(edges[:, None], low, low + 0.05)  # on each obstacle's square
+    gaps = np.linalg.norm(edges[:, None] - nearest, axis=-1)
+    assert gaps.min() >= radius - 1e-9
+
+
+def test_a_robot_as_wide_as_the_gap_just_fits_through_it():
+    free = np.zeros((5, 9), dtype=bool)
+    free[:, 2:7] = True  # 5 cells of 0.1 m, and the ends of the map are no way out
+    assert (
+        inflate(GridMap(free, 0.1), 0.2).free.any(axis=0).tolist()
+        == [False] * 4 + [True] + [False] * 4
+    )
+    assert not inflate(GridMap(free, 0.1), 0.21).free.any()
+
+
+def test_a_map_without_obstacles_ends_at_its_edge():
+    grown = inflate(GridMap(np.ones((7, 7), dtype=bool), 1.0), 2.0)
+    assert np.argwhere(grown.free).min() == 2 and np.argwhere(grown.free).max() == 4
+    assert grown.free.sum() == 9
+
+
+@pytest.mark.parametrize("radius", [-0.1, nan, inf])
+def test_inflate_refuses_a_radius_that_is_none(radius):
+    with pytest.raises(ValueError, match="radius: "):
+        inflate(GridMap(np.ones((2, 2), dtype=bool), 1.0), radius)
+
+
+# --- ROS map files ----------------------------------------------------------------------------
+
+ABOUT = {
+    "image": "map.png",
+    "resolution": "0.1",
+    "origin": "[1.0, -2.0, 0.0]",
+    "negate": "0",
+    "occupied_thresh": "0.65",
+    "free_thresh": "0.196",
+}
+
+
+def written(folder, pixels, image="map.png", **changes):
+    """A map file with an image of these pixels; a key changed to None is left out."""
+    Image.fromarray(np.array(pixels, dtype=np.uint8)).save(folder / image)
+    about = {**ABOUT, "image": image, **changes}
+    path = folder / "map.yaml"
+    lines = [f"{key}: {value}" for key, value in about.items() if value is not None]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
+@settings(deadline=None)
+@given(grid=grids, kind=st.sampled_from(["png", "pgm"]))
+def test_a_saved_map_is_loaded_as_it_was(grid, kind, tmp_path_factory):
+    path = tmp_path_factory.mktemp("maps") / "hall.yaml"
+    save_map(grid, path, image=kind)
+    again = load_map(path)
+    assert again.free.tolist() == grid.free.tolist()
+    assert again.origin == grid.origin and again.resolution == grid.resolution
+
+
+def test_the_top_row_of_the_image_is_the_largest_y(tmp_path):
+    grid = load_map(written(tmp_path, [[0, 0], [0, 0], [255, 0]]))
+    assert grid.free.tolist() == [[True, False], [False, False], [False, False]]
+    assert grid.is_free([1.05, -1.95]) and grid.origin == (1.0, -2.0)
+
+
+def test_ros_grey_values_mean_free_unknown_and_occupied(tmp_path):
+    # map_saver writes 254, 205 and 0; p(205) = 50/255 = 0.19608 lies just above 0.196
+    assert load_map(written(tmp_path, [[254, 205, 0]])).free.tolist() == [[True, False, False]]
+
+
+def test_the_threshold_itself_is_not_free(tmp_path):
+    # p = (255 - 204)/255 = 0.2
+    path = written(tmp_path, [[205, 204, 203]], free_thresh="0.2")
+    assert load_map(path).free.tolist() == [[True, False, False]]
+
+
+def test_negate_makes_black_free(tmp_path):
+    path = written(tmp_path, [[0, 49, 50, 255]], negate="1")  # 50/255 = 0.19608
+    assert load_map(path).free.tolist() == [[True, True, False, False]]
+    path = written(tmp_path, [[0, 255]], negate="true")
+    assert load_map(path).free.tolist() == [[True, False]]
+
+
+def test_colours_are_averaged(tmp_path):
+    # Means 206, 204 and 85: only the first has p < 0.196, whatever the single channels say.
+    pixels = [[(255, 255, 108), (255, 255, 102), (0, 255, 0)]]
+    assert load_map(written(tmp_path, pixels)).free.tolist() == [[True, False, False]]
+
+
+def test_alpha_counts_as_a_channel_in_trinary_and_means_unknown_in_scale(tmp_path):
+    # white opaque, white transparent (mean of four 191), grey 190 opaque (mean of four 206)
+    pixels = [[(255, 255, 255, 255), (255, 255, 255, 0), (190, 190, 190, 255)]]
+    assert load_map(written(tmp_path, pixels)).free.tolist() == [[True, False, True]]
+    path = written(tmp_path, pixels, mode="scale")
+    assert load_map(path).free.tolist() == [[True, False, False]]
+
+
+def test_raw_pixels_are_per_cent_of_occupancy(tmp_path):
+    path = written(tmp_path, [[0, 19, 20, 100, 255]], mode="raw", free_thresh="0.2")
+    assert load_map(path).free.tolist() == [[True, True, False, False, False]]
+
+
+def test_images_of_two_colours_of_a_palette_and_of_16_bits_are_read(tmp_path):
+    path = written(tmp_path, [[255, 0]])
+    grey = Image.fromarray(np.array([[255, 0]], dtype=np.uint8))
+    deep = Image.fromarray(np.array([[65535, 0]], dtype=np.uint16))
+    for image in (grey.convert("1"), grey.convert("P"), grey.convert("LA"), deep):
+        image.save(tmp_path / "map.png")
+        assert load_map(path).free.tolist() == [[True, False]], image.mode
+
+
+def test_a_text_pgm_is_read_and_the_image_may_lie_elsewhere(tmp_path):
+    (tmp_path / "images").mkdir()
+    (tmp_path / "images" / "a b.pgm").write_text("P2\n# a comment\n2 1\n255\n255 0\n")
+    for image in ("images/a b.pgm", str(tmp_path / "images" / "a b.pgm")):
+        path = written(tmp_path, [[0]])
+        text = path.read_text(encoding="utf-8").replace("map.png", f'"{image}"')
+        path.write_text(text, encoding="utf-8")
+        assert load_map(path).free.tolist() == [[True, False]]
+
+
+def test_numbers_without_a_point_are_numbers_too(tmp_path):
+    path = written(tmp_path, [[255]], resolution="5e-2", origin="[1, 2, 0]")
+    assert load_map(path).resolution == 0.05  # YAML alone would read 5e-2 as a word
+
+
+def test_a_saved_map_follows_the_format_by_the_letter(tmp_path):
+    import yaml
+
+    save_map(GridMap(np.array([[True, False]]), 0.05, (-1.5, 2.0)), tmp_path / "hall.yaml")
+    about = yaml.safe_load((tmp_path / "hall.yaml").read_text(encoding="utf-8"))
+    assert about["image"] == "hall.png" and about["origin"] == [-1.5, 2.0, 0.0]
+    assert set(about) == {*ABOUT, "mode"}
+    assert np.asarray(Image.open(tmp_path / "hall.png")).tolist() == [[254, 0]]
+
+
+@pytest.mark.parametrize("key", ABOUT)
+def test_a_file_that_lacks_a_key_is_refused_by_name(tmp_path, key):
+    path = written(tmp_path, [[255]])
+    lines = path.read_text(encoding="utf-8").splitlines()
+    path.write_text("\n".join(line for line in lines if not line.startswith(f"{key}:")))
+    with pytest.raises(ValueError, match=f"does not say {key}"):
+        load_map(path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"resolution": "0"}, "resolution must be a positive"),
+        ({"resolution": "wide"}, "resolution: expected numbers"),
+        ({"resolution": ".nan"}, "resolution: .*not a finite number"),
+        ({"origin": "[0.0, 0.0, 0.3]"}, "turned by 0.3 rad"),
+        ({"origin": "[0.0, .nan, 0.0]"}, "origin: .*not a finite number"),
+        ({"origin": "[0.0, 0.0]"}, "origin: expected shape"),
+        ({"negate": "2"}, "negate must be 0 or 1"),
+        ({"mode": "grey"}, "mode must be one of trinary, scale, raw"),
+        ({"free_thresh": "0.7"}, "free_thresh must not be above occupied_thresh"),
+        ({"occupied_thresh": "much"}, "thresholds: expected numbers"),
+    ],
+)
+def test_a_file_that_makes_no_sense_is_refused_with_its_name(tmp_path, changes, sentence):
+    with pytest.raises(ValueError, match=f"map.yaml: .*{sentence}"):
+        load_map(written(tmp_path, [[255]], **changes))
+
+
+def test_missing_files_are_named(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"no map file .*hall\.yaml"):
+        load_map(tmp_path / "hall.yaml")
+    path = written(tmp_path, [[255]])
+    (tmp_path / "map.png").unlink()
+    with pytest.raises(FileNotFoundError, match=r"no image .*map\.png"):
+        load_map(path)
+
+
+@pytest.mark.parametrize("content", [b"", b"no image", b"\x89PNG\r\n\x1a\nbroken"])
+def test_an_image_that_cannot_be_read_is_refused(tmp_path, content):
+    path = written(tmp_path, [[255]])
+    (tmp_path / "map.png").write_bytes(content)
+    with pytest.raises(ValueError, match=r"map\.png: cannot be read as an image"):
+        load_map(path)
+
+
+def test_an_image_cut_short_is_refused(tmp_path):
+    rng = np.random.default_rng(1)
+    path = written(tmp_path, rng.integers(0, 255, (60, 60)))
+    whole = (tmp_path / "map.png").read_bytes()
+    (tmp_path / "map.png").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(ValueError, match=r"map\.png: cannot be read as an image"):
+        load_map(path)
+
+
+@pytest.mark.parametrize("text", ["image: [", "just words", "", "\x00\x01"])
+def test_a_file_that_is_no_map_text_is_refused(tmp_path, text):
+    path = tmp_path / "map.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=r"map\.yaml: (is no YAML|holds no keys)"):
+        load_map(path)
+
+
+def test_the_image_given_for_the_map_file_is_refused(tmp_path):
+    written(tmp_path, [[255]])
+    with pytest.raises(ValueError, match=r"map\.png: .*is it the image\?"):
+        load_map(tmp_path / "map.png")
+
+
+def test_save_map_refuses_other_kinds_of_files(tmp_path):
+    grid = GridMap(np.ones((1, 1), dtype=bool), 1.0)
+    with pytest.raises(ValueError, match=r"path: .*\.yaml"):
+        save_map(grid, tmp_path / "hall.png")
+    with pytest.raises(ValueError, match="image: must be 'png' or 'pgm'"):
+        save_map(grid, tmp_path / "hall.yaml", image="jpg")
+    with pytest.raises(FileNotFoundError, match="no folder"):
+        save_map(grid, tmp_path / "nowhere" / "hall.yaml")
+
+
+def test_the_room_says_what_it_offers():
+    assert set(gridmap.__all__) == {"GridMap", "inflate", "load_map", "save_map"}
