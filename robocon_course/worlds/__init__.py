@@ -4,6 +4,7 @@
 ``student``  student numbers, and draws that belong to one
 ``imu``      chapter 01: a phone's IMU and its logs
 ``robot``    one student's robot, not quite as drawn
+``swerve``   chapter 03: its modules, a log of them, and a wet floor
 ``wheels``   chapter 02: its dead wheels and the logs they recorded
 ===========  ==========================================
 """
@@ -22,6 +23,7 @@ from robocon_course.worlds.imu import (
 )
 from robocon_course.worlds.robot import own_robot, own_wheels
 from robocon_course.worlds.student import Student, generator, student_number
+from robocon_course.worlds.swerve import SlipLog, SwerveWorld, slip_log, swerve_world
 from robocon_course.worlds.wheels import (
     BITS,
     RUN,
@@ -49,7 +51,9 @@ __all__ = [
     "OdometryWorld",
     "RoughDrive",
     "Rung",
+    "SlipLog",
     "Student",
+    "SwerveWorld",
     "WheelLog",
     "generator",
     "gyro_of",
@@ -63,6 +67,8 @@ __all__ = [
     "rest_means",
     "rough_drive",
     "rough_drive_log",
+    "slip_log",
     "student_number",
+    "swerve_world",
     "wheel_log",
 ]
