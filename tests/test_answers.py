@@ -310,6 +310,19 @@ def test_an_answer_that_calls_the_courses_own_is_told_so(source):
     assert reply.message == "robocon_course.imu.attitude.euler_angles"
 
 
+def test_a_property_that_would_answer_in_its_place_can_be_blocked():
+    text = (
+        "from robocon_course.odometry import TrackingWheels\n"
+        "wheels = TrackingWheels([[0, 0.2], [0, -0.2], [-0.2, 0]], [0, 0, 1.57], 0.03, 3200)\n"
+        "def body_deltas():\n    return wheels.solver\n"
+        "def size():\n    return wheels.matrix.shape\n"
+    )
+    with AnswerProcess() as process:
+        process.load(text, ("robocon_course.odometry.wheels.TrackingWheels.solver",))
+        assert process.call("body_deltas", ()).error == "NotYourOwn"
+        assert process.call("size", ()).value == (3, 3)
+
+
 def test_the_rest_of_the_course_stays_usable_beside_a_blocked_function():
     source = "from robocon_course import imu\ndef f(q): return imu.gravity_direction(q)"
     with AnswerProcess() as answer:

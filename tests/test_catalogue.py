@@ -14,6 +14,7 @@ import pytest
 from conftest import ROOT
 from robocon_course import geometry, imu, lessons, worlds
 from robocon_course.answers.process import AnswerProcess
+from robocon_course.answers.wire import fields_of
 from robocon_course.exercises import registry
 from robocon_course.exercises.judge import ask_function, judge, judge_answer, judge_number
 from robocon_course.exercises.model import Exercise, Number, Outcome
@@ -94,7 +95,10 @@ def flat(cases) -> list[bytes]:
     rows: list[bytes] = []
 
     def add(value) -> None:
-        if isinstance(value, tuple | list):
+        fields = fields_of(value)
+        if fields is not None:
+            add(tuple(fields.values()))
+        elif isinstance(value, tuple | list):
             for item in value:
                 add(item)
         else:

@@ -42,14 +42,22 @@ class Printed(io.TextIOBase):
 
 
 def block(names: list[str]) -> None:
-    """Make the course's own answers raise, wherever a module of the course holds them."""
+    """Make the course's own answers raise, wherever a module of the course holds them.
+
+    A name is a function of a module, or a property of a class that would answer in its place.
+    """
     for dotted in names:
-        module_name, _, name = dotted.rpartition(".")
-        original = getattr(__import__(module_name, fromlist=[name]), name)
+        place, _, name = dotted.rpartition(".")
+        module_name, _, class_name = place.rpartition(".")
 
         def refuse(*args: Any, _name: str = dotted, **kwargs: Any) -> None:
             raise NotYourOwn(_name)
 
+        if class_name[:1].isupper():
+            owner = getattr(__import__(module_name, fromlist=[class_name]), class_name)
+            setattr(owner, name, property(refuse))
+            continue
+        original = getattr(__import__(place, fromlist=[name]), name)
         for module in [m for n, m in sys.modules.items() if n.startswith("robocon_course")]:
             if getattr(module, name, None) is original:
                 setattr(module, name, refuse)
