@@ -93,7 +93,8 @@ def body_motion(drive: Drive, speeds: ArrayLike, angles: ArrayLike) -> BodyMotio
     Returns
     -------
     BodyMotion
-        Twist (..., 3) and residual (...). A reading that is not finite makes its row NaN.
+        Twist (..., 3) and residual (...). A reading that is not finite leaves no finite twist,
+        and a residual of NaN.
 
     Raises
     ------
@@ -142,7 +143,7 @@ def body_twist(drive: Drive, speeds: ArrayLike, angles: ArrayLike) -> FloatArray
     Returns
     -------
     ndarray, shape (..., 3)  [m/s, m/s, rad/s; base]
-        A reading that is not finite makes its row NaN.
+        Not finite where a reading is not.
 
     Raises
     ------
