@@ -102,6 +102,10 @@ BODY_DELTAS = Exercise(
     title="The body's motion from its wheels, and from a gyroscope",
     points=3,
     reference=odometry.body_deltas,
+    shortcuts=(
+        "robocon_course.odometry.wheels.TrackingWheels.solver",
+        "robocon_course.odometry.wheels.TrackingWheels.shift_solver",
+    ),
     cases=_body_deltas_cases,
     hints=(
         "A Δ = d for every row of travel, with A = wheel_matrix(wheels.positions, "

@@ -25,12 +25,12 @@ def _further_back(student: Student, *, drawn_radius: bool = False) -> float:
     return float(behind - DRAWN_MM)
 
 
-def _end_error(student: Student, *, factor: float = 1.0, mended: bool = True) -> float:
+def _end_error(student: Student, *, mended: bool = True) -> float:
     """How far from the true end the square of one student ends by odometry [mm]."""
     world = worlds.odometry_world(student)
     counters = world.square.counters
     ticks = odometry.tick_changes(counters, worlds.BITS) if mended else np.diff(counters, axis=0)
-    travel = factor * odometry.wheel_travel(DEAD_WHEELS, ticks)
+    travel = odometry.wheel_travel(DEAD_WHEELS, ticks)
     end = odometry.integrate(odometry.body_deltas(DEAD_WHEELS, travel))[-1]
     return float(1000.0 * np.hypot(*(end - world.square.poses[-1])[:2]))
 
@@ -96,15 +96,9 @@ OWN_SQUARE = Number(
             lambda student: _end_error(student, mended=False),
         ),
         Mistake(
-            "pulses for counts",
-            "With 800 counts a turn everything comes out four times as large, turns too. The "
-            "encoder's 800 pulses count 3200 steps.",
-            lambda student: _end_error(student, factor=4.0),
-        ),
-        Mistake(
-            "diameter for radius",
-            "Everything comes out twice as large, turns too. 29.6 mm is the radius.",
-            lambda student: _end_error(student, factor=2.0),
+            "centimetres",
+            "That is in centimetres. The question asks for mm.",
+            lambda student: _end_error(student) / 10.0,
         ),
     ),
 )

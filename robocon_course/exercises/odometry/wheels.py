@@ -143,6 +143,7 @@ WHEEL_TRAVEL = Exercise(
     title="From counts to metres",
     points=1,
     reference=odometry.wheel_travel,
+    shortcuts=("robocon_course.odometry.wheels.TrackingWheels.metres_per_tick",),
     cases=_wheel_travel_cases,
     hints=(
         "In one turn a wheel rolls its circumference and counts wheels.ticks_per_turn.",
@@ -246,6 +247,7 @@ WHEEL_MATRIX = Exercise(
     title="The wheel matrix",
     points=2,
     reference=drivetrain.wheel_matrix,
+    shortcuts=("robocon_course.odometry.wheels.TrackingWheels.matrix",),
     cases=_wheel_matrix_cases,
     hints=(
         "One row per wheel: cos a, sin a, lever arm. np.column_stack puts three columns together.",
