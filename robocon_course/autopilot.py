@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robocon_course import geometry, imu
+from robocon_course import geometry, imu, swerve
 from robocon_course._arrays import FloatArray
+from robocon_course.robot import MAX_SPEED, MODULES, Command
 
 Part = Callable[..., Any]
 
@@ -31,6 +32,14 @@ class Parts:
     gravity_direction: Part = imu.gravity_direction
     mahony_step: Part = imu.mahony_step
     euler_angles: Part = imu.euler_angles
+    pose_feedback: Part = swerve.pose_feedback
+    field_to_robot: Part = swerve.field_to_robot
+    discretize: Part = swerve.discretize
+    module_targets: Part = swerve.module_targets
+    limit_speeds: Part = swerve.limit_speeds
+    shortest_turn: Part = swerve.shortest_turn
+    body_twist: Part = swerve.body_twist
+    find_slip: Part = swerve.find_slip
     mine: tuple[str, ...] = ()
 
     @staticmethod
@@ -85,3 +94,40 @@ def attitude_angles(
         state = parts.mahony_step(state, rate, force, dt, gains)
         angles[row] = parts.euler_angles(state[0])
     return angles
+
+
+def module_command(
+    parts: Parts,
+    twist: ArrayLike,
+    theta: float,
+    angles: ArrayLike,
+    *,
+    dt: float,
+    max_speed: float = MAX_SPEED,
+) -> Command:
+    """The robot's way from a velocity on the field to what its modules are told.
+
+    Turned into the robot's axes, aimed before the turn, shared out to the modules, slowed to what
+    the wheels reach, steered the shorter way, and held back where a wheel still turns.
+
+    Parameters
+    ----------
+    parts : Parts
+    twist : array_like, shape (3,)  [m/s, m/s, rad/s; map]
+    theta : float  [rad, map]
+        Heading of the robot.
+    angles : array_like, shape (4,)  [rad, base]
+        Angles the modules have now.
+    dt : float  [s]
+        How long the command will hold.
+    max_speed : float  [m/s]
+
+    Returns
+    -------
+    Command
+    """
+    angles = np.asarray(angles, float)
+    body = parts.discretize(parts.field_to_robot(np.asarray(twist, float), theta), dt)
+    targets = parts.module_targets(MODULES, body, angles)
+    targets = parts.shortest_turn(parts.limit_speeds(targets, max_speed), angles)
+    return Command(*swerve.cosine_compensation(targets, angles))
