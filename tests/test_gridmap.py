@@ -35,6 +35,10 @@ def test_cells_counts_rows_from_the_smallest_y_and_columns_from_the_smallest_x()
 def test_a_point_on_a_shared_edge_belongs_to_the_cell_further_up_and_right():
     grid = GridMap(np.ones((2, 2), dtype=bool), 0.5)
     assert grid.cells([0.5, 0.5]).tolist() == [1, 1]
+    # (0.35 + 0.05) / 0.05 is 7.999999999999999 in floating point.
+    fine = GridMap(np.ones((20, 20), dtype=bool), 0.05, (-0.05, -0.05))
+    edges = np.arange(20) * 0.05 - 0.05
+    assert fine.cells(np.stack([edges, edges], axis=-1))[:, 0].tolist() == list(range(20))
 
 
 @given(grids, st.data())

@@ -156,7 +156,8 @@ class GridMap:
     def _scaled(self, xy: ArrayLike) -> FloatArray:
         """Cells (row, col) of points, as floats: a point that is not finite may pass."""
         points = as_vectors(xy, "xy", 2)
-        return np.floor((points - self.origin) / self.resolution)[..., ::-1]
+        # 0.35 m is 6.999... cells of 0.05 m: what rounding took away must not cost a cell.
+        return np.floor((points - self.origin) / self.resolution + 1e-9)[..., ::-1]
 
 
 def inflate(grid: GridMap, radius: float) -> GridMap:
