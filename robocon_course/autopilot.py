@@ -39,7 +39,6 @@ class Parts:
     limit_speeds: Part = swerve.limit_speeds
     shortest_turn: Part = swerve.shortest_turn
     body_twist: Part = swerve.body_twist
-    find_slip: Part = swerve.find_slip
     mine: tuple[str, ...] = ()
 
     @staticmethod
