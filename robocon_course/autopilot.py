@@ -7,18 +7,23 @@ step of the way from a sensor reading to a command.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robocon_course import geometry, imu, swerve
+from robocon_course import geometry, imu, odometry, swerve
 from robocon_course._arrays import FloatArray
-from robocon_course.robot import MAX_SPEED, MODULES, Command
+from robocon_course.drivetrain import wheel_matrix
+from robocon_course.robot import DEAD_WHEELS, MAX_SPEED, MODULES, Command, Observation
 
 Part = Callable[..., Any]
+
+COUNTER_BITS = 32
+"""Counters are compared in so many bits: no wheel turns by half of that between two readings."""
+HEADINGS = ("wheels", "gyro", "fused")
 
 
 @dataclass(frozen=True)
@@ -32,6 +37,13 @@ class Parts:
     gravity_direction: Part = imu.gravity_direction
     mahony_step: Part = imu.mahony_step
     euler_angles: Part = imu.euler_angles
+    tick_changes: Part = odometry.tick_changes
+    wheel_travel: Part = odometry.wheel_travel
+    wheel_matrix: Part = wheel_matrix
+    body_deltas: Part = odometry.body_deltas
+    integrate: Part = odometry.integrate
+    body_velocity: Part = odometry.body_velocity
+    calibrate_wheels: Part = odometry.calibrate_wheels
     pose_feedback: Part = swerve.pose_feedback
     field_to_robot: Part = swerve.field_to_robot
     discretize: Part = swerve.discretize
@@ -93,6 +105,57 @@ def attitude_angles(
         state = parts.mahony_step(state, rate, force, dt, gains)
         angles[row] = parts.euler_angles(state[0])
     return angles
+
+
+def dead_reckoning(
+    parts: Parts,
+    observations: Sequence[Observation],
+    wheels: odometry.TrackingWheels = DEAD_WHEELS,
+    *,
+    start: ArrayLike = odometry.motion.START,
+    heading: str = "fused",
+    bias: float = 0.0,
+) -> FloatArray:
+    """The robot's way from counters and gyroscope to poses.
+
+    Parameters
+    ----------
+    parts : Parts
+    observations : sequence of Observation
+        One after the other, the first before the way begins.
+    wheels : TrackingWheels
+        What the robot believes of its dead wheels.
+    start : array_like, shape (3,)  [m, m, rad; map]
+        Where it stands at the first observation.
+    heading : {"fused", "gyro", "wheels"}
+        Who says how far it turned: the gyroscope, whose bias the wheels teach; the gyroscope
+        alone; the wheels alone.
+    bias : float  [rad/s]
+        What the gyroscope reads about z at rest, as far as known.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)  [m, m, rad; map]
+        A pose for each observation.
+
+    Raises
+    ------
+    ValueError
+        An unknown ``heading``.
+    """
+    if heading not in HEADINGS:
+        raise ValueError(f"heading: expected one of {', '.join(HEADINGS)}, got {heading!r}")
+    ticks = parts.tick_changes(np.array([one.ticks for one in observations]), COUNTER_BITS)
+    travel = parts.wheel_travel(wheels, ticks)
+    deltas = parts.body_deltas(wheels, travel)
+    if heading == "wheels":
+        return parts.integrate(deltas, np.asarray(start, float))
+    dt = np.diff([one.time for one in observations])
+    rates = np.array([one.gyro[:, 2].mean() if len(one.gyro) else np.nan for one in observations])
+    wheel_rates = deltas[:, 2] / dt if heading == "fused" else np.full(len(dt), np.nan)
+    known = odometry.HeadingState(yaw=float(start[2]), bias=bias)
+    yaw = odometry.estimate_heading(rates[1:], wheel_rates, dt, start=known).yaw
+    return parts.integrate(parts.body_deltas(wheels, travel, yaw), np.asarray(start, float))
 
 
 def module_command(

@@ -1,14 +1,16 @@
 """Student number -> seed -> a world of one's own, the same to the bit on every machine.
 
-===========  ==========================================
+===========  ====================================================
 ``student``  student numbers, and draws that belong to one
 ``imu``      chapter 01: a phone's IMU and its logs
 ``robot``    one student's robot, not quite as drawn
 ``swerve``   chapter 03: its modules, a log of them, and a wet floor
 ``wheels``   chapter 02: its dead wheels and the logs they recorded
-===========  ==========================================
+``drive``    drives of that robot in the simulator
+===========  ====================================================
 """
 
+from robocon_course.worlds.drive import DRIVES, DriveLog, drive_log, simulated_drive
 from robocon_course.worlds.imu import (
     DT,
     LEAN,
@@ -41,12 +43,14 @@ from robocon_course.worlds.wheels import (
 
 __all__ = [
     "BITS",
+    "DRIVES",
     "DT",
     "LEAN",
     "MATCH",
     "RUN",
     "SPIN",
     "SQUARE",
+    "DriveLog",
     "ImuWorld",
     "OdometryWorld",
     "RoughDrive",
@@ -55,6 +59,7 @@ __all__ = [
     "Student",
     "SwerveWorld",
     "WheelLog",
+    "drive_log",
     "generator",
     "gyro_of",
     "imu_rungs",
@@ -67,6 +72,7 @@ __all__ = [
     "rest_means",
     "rough_drive",
     "rough_drive_log",
+    "simulated_drive",
     "slip_log",
     "student_number",
     "swerve_world",

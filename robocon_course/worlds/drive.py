@@ -1,0 +1,185 @@
+"""Drives of one student's robot in the simulator, with mass, grip and lag, and what it saw.
+
+Somebody who sees the robot from outside drives it about Area 1, to one random pose after the
+other, and lets it stand between some of them. The log is what the robot itself knows; the truth
+lies beside it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robocon_course._arrays import FloatArray
+from robocon_course.geometry import wrap_angle
+from robocon_course.odometry import TrackingWheels
+from robocon_course.robot import DEAD_WHEELS, MAX_SPEED, MODULES, Command, Observation
+from robocon_course.simulator.inertial import ImuErrors
+from robocon_course.swerve import (
+    field_to_robot,
+    limit_speeds,
+    module_targets,
+    shortest_turn,
+)
+from robocon_course.worlds.imu import own_imu
+from robocon_course.worlds.robot import LEFT, RIGHT, own_wheels
+from robocon_course.worlds.student import Student, generator
+
+START = (1.0, 1.0, 0.0)
+"""Where the drives begin [m, m, rad; map]."""
+AREA = ((0.7, 0.9), (5.1, 3.3))
+"""Corners of where the middle of the robot goes, in Area 1 [m, map]: clear of rack and ledge."""
+CYCLE = 0.02  # s, from one observation to the next
+REST = 3.0  # s, before the first leg
+GAIN = 2.5  # 1/s
+FASTEST = (1.4, 2.0)  # m/s, rad/s
+HARDEST = (2.0, 5.0)  # m/s^2, rad/s^2
+NEAR = (0.08, 0.08)  # m, rad
+DRIVES = ("ideal", "noisy", "degraded")
+
+
+@dataclass(frozen=True)
+class DriveLog:
+    """A drive in the simulator.
+
+    Attributes
+    ----------
+    observations : tuple of Observation
+        One every `CYCLE`, the first before anything moves.
+    poses : ndarray, shape (n, 3)  [m, m, rad; map]
+        The truth at each of them; theta is not wrapped.
+    wheels : TrackingWheels
+        True sizes of this robot's dead wheels.
+    rest : int
+        So many observations were made at rest before the first leg.
+    """
+
+    observations: tuple[Observation, ...]
+    poses: FloatArray
+    wheels: TrackingWheels
+    rest: int
+
+    @property
+    def time(self) -> FloatArray:
+        """Of each observation, shape (n,) [s]."""
+        return np.array([one.time for one in self.observations])
+
+    @property
+    def still(self) -> FloatArray:
+        """Gyroscope at rest before the first leg, shape (m, 3) [rad/s]."""
+        return np.concatenate([one.gyro for one in self.observations[: self.rest]])
+
+
+def simulated_drive(student: Student, kind: str = "noisy", duration: float = 40.0) -> DriveLog:
+    """A drive of one student's robot in the simulator.
+
+    Parameters
+    ----------
+    student : int or str
+        Student number.
+    kind : {"ideal", "noisy", "degraded"}
+        ``"ideal"``: a robot as drawn, with a perfect IMU. ``"noisy"``: the student's robot and
+        IMU. ``"degraded"``: the same, and two wheels that now and then hang in the air or are
+        not heard.
+    duration : float  [s]
+
+    Returns
+    -------
+    DriveLog
+    """
+    if kind not in DRIVES:
+        raise ValueError(f"kind: expected one of {', '.join(DRIVES)}, got {kind!r}")
+    wheels = DEAD_WHEELS if kind == "ideal" else own_wheels(student)
+    errors = None if kind == "ideal" else own_imu(student)
+    rng = generator(student, "simulated drive", kind, f"{duration:g}")
+    gaps = _gaps(rng, duration) if kind == "degraded" else ()
+    return drive_log(wheels, errors, rng, duration, gaps=gaps)
+
+
+def drive_log(
+    wheels: TrackingWheels,
+    errors: ImuErrors | None,
+    rng: np.random.Generator,
+    duration: float = 180.0,
+    *,
+    gaps: tuple[tuple[int, float, float], ...] = (),
+) -> DriveLog:
+    """A random drive of a robot with these dead wheels and this IMU.
+
+    Parameters
+    ----------
+    wheels : TrackingWheels
+        The true sizes.
+    errors : ImuErrors or None
+        None is a perfect IMU.
+    rng : numpy.random.Generator
+        Draws the sensors' seed, and where the robot goes.
+    duration : float  [s]
+    gaps : tuple of (wheel, start, end)
+        Times [s] in which a dead wheel's counter stands still.
+
+    Returns
+    -------
+    DriveLog
+    """
+    from robocon_course.simulator import IDEAL, RobotModel, SensorModel, Simulator
+
+    sensors = SensorModel(imu=errors) if errors else IDEAL
+    robot = Simulator(
+        RobotModel(dead_wheels=wheels), sensors=replace(sensors, encoder_gaps=gaps), start=START
+    )
+    robot.reset(int(rng.integers(1 << 31)))
+    observations, poses = [robot.read()], [robot.truth.pose]
+    goal, pause, twist = np.array(START), REST, np.zeros(3)
+    while len(poses) <= round(duration / CYCLE):
+        pose = poses[-1]
+        if pause > 0.0:
+            pause -= CYCLE
+        elif _arrived(pose, goal):
+            goal = _next_goal(rng, pose)
+            pause = rng.choice([0.0, 0.0, 1.0])
+        twist = _towards(goal if pause <= 0.0 else pose, pose, twist)
+        robot.apply(_command(twist, pose, observations[-1].module_angles))
+        robot.step(CYCLE)
+        observations.append(robot.read())
+        poses.append(robot.truth.pose)
+    return DriveLog(tuple(observations), np.array(poses), wheels, round(REST / CYCLE))
+
+
+def _next_goal(rng: np.random.Generator, pose: FloatArray) -> FloatArray:
+    """A place in the area, and a heading not further than a turn and a half in all."""
+    place = rng.uniform(*AREA)
+    return np.array([*place, np.clip(pose[2] + rng.uniform(-2.5, 2.5), -9.0, 9.0)])
+
+
+def _arrived(pose: FloatArray, goal: FloatArray) -> bool:
+    return bool(np.hypot(*(goal - pose)[:2]) < NEAR[0] and abs(goal[2] - pose[2]) < NEAR[1])
+
+
+def _towards(goal: FloatArray, pose: FloatArray, twist: FloatArray) -> FloatArray:
+    """The next twist [map]: towards the goal, not too fast and not too hard."""
+    want = GAIN * (goal - pose)
+    want[:2] *= min(1.0, FASTEST[0] / max(np.hypot(*want[:2]), 1e-9))
+    want[2] = np.clip(want[2], -FASTEST[1], FASTEST[1])
+    change = want - twist
+    change[:2] *= min(1.0, HARDEST[0] * CYCLE / max(np.hypot(*change[:2]), 1e-9))
+    change[2] = np.clip(change[2], -HARDEST[1] * CYCLE, HARDEST[1] * CYCLE)
+    return twist + change
+
+
+def _command(twist: FloatArray, pose: FloatArray, angles: FloatArray) -> Command:
+    """The modules that make a twist [map]."""
+    asked = field_to_robot(twist, wrap_angle(pose[2]))
+    targets = shortest_turn(module_targets(MODULES, asked, angles), angles)
+    return Command(*limit_speeds(targets, MAX_SPEED))
+
+
+def _gaps(rng: np.random.Generator, duration: float) -> tuple[tuple[int, float, float], ...]:
+    """One encoder not heard for 2 s, and wheels that hang in the air for a moment, a few times."""
+    starts = np.linspace(REST + 3.0, duration - 3.0, max(3, int(duration / 8.0)))
+    gaps = []
+    for number, start in enumerate(starts):
+        length = 2.0 if number == 1 else rng.uniform(0.2, 0.5)
+        gaps.append((int(rng.choice([LEFT, RIGHT])), float(start), float(start + length)))
+    return tuple(gaps)
