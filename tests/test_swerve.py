@@ -330,15 +330,15 @@ def test_shortest_turn_by_hand(wanted, now, speed, angle):
 
 
 def test_steering_counts_its_turns_and_never_drifts_over_a_long_drive():
-    # 3000 s straight across the field while turning to the left: seen from the robot the
-    # direction turns to the right, 477 times round.
-    headings = np.arange(0.0, 3000.0, 0.05)
+    # 1500 s straight across the field while turning to the left: seen from the robot the
+    # direction turns to the right, 238 times round.
+    headings = np.arange(0.0, 1500.0, 0.1)
     rows = swerve.field_to_robot([1.0, 0.0, 0.0], headings)
     wanted = swerve.module_targets(MODULES, rows, UNTURNED)
     now = UNTURNED
     for speeds, angles in zip(*wanted, strict=True):
         short = swerve.shortest_turn(targets_of(speeds, angles), now)
-        assert np.abs(short.angles - now).max() < 0.06 and (short.speeds > 0.0).all()
+        assert np.abs(short.angles - now).max() < 0.11 and (short.speeds > 0.0).all()
         now = short.angles
     np.testing.assert_allclose(now, -headings[-1], rtol=0.0, atol=1e-9)
 
