@@ -37,7 +37,7 @@ def test_a_point_on_a_shared_edge_belongs_to_the_cell_further_up_and_right():
     assert grid.cells([0.5, 0.5]).tolist() == [1, 1]
     # (0.35 + 0.05) / 0.05 is 7.999999999999999 in floating point.
     fine = GridMap(np.ones((20, 20), dtype=bool), 0.05, (-0.05, -0.05))
-    edges = np.arange(20) * 0.05 - 0.05
+    edges = np.round(np.arange(20) * 0.05 - 0.05, 2)
     assert fine.cells(np.stack([edges, edges], axis=-1))[:, 0].tolist() == list(range(20))
 
 
@@ -152,6 +152,17 @@ def test_a_robot_anywhere_in_a_free_cell_keeps_clear_of_every_point_of_every_obs
     assert gaps.min() >= radius - 1e-9
 
 
+def test_far_from_an_obstacle_the_distance_is_still_exact():
+    free = np.ones((601, 601), dtype=bool)
+    free[300, 300] = False
+    up, across = np.abs(np.indices(free.shape) - 300)
+    gap = np.hypot(np.maximum(up - 1, 0), np.maximum(across - 1, 0))
+    for radius in (50.0, 130.0, 261.7):  # of which 50 = |(30, 40)| and 130 = |(50, 120)|
+        grown = inflate(GridMap(free, 1.0), radius).free
+        rim = np.minimum(300 - up, 300 - across)  # gap to the outside
+        assert (grown == (np.minimum(gap, rim) >= radius)).all()
+
+
 def test_a_robot_as_wide_as_the_gap_just_fits_through_it():
     free = np.zeros((5, 9), dtype=bool)
     free[:, 2:7] = True  # 5 cells of 0.1 m, and the ends of the map are no way out
@@ -252,10 +263,13 @@ def test_raw_pixels_are_per_cent_of_occupancy(tmp_path):
 def test_images_of_two_colours_of_a_palette_and_of_16_bits_are_read(tmp_path):
     path = written(tmp_path, [[255, 0]])
     grey = Image.fromarray(np.array([[255, 0]], dtype=np.uint8))
-    deep = Image.fromarray(np.array([[65535, 0]], dtype=np.uint16))
-    for image in (grey.convert("1"), grey.convert("P"), grey.convert("LA"), deep):
+    for image in (grey.convert("1"), grey.convert("P"), grey.convert("LA")):
         image.save(tmp_path / "map.png")
         assert load_map(path).free.tolist() == [[True, False]], image.mode
+    # 206 and 204 of 255, in 65535ths: p = 0.192 and 0.2
+    deep = np.array([[65535, 206 * 257, 204 * 257, 0]], dtype=np.uint16)
+    Image.fromarray(deep).save(tmp_path / "map.png")
+    assert load_map(path).free.tolist() == [[True, True, False, False]]
 
 
 def test_a_text_pgm_is_read_and_the_image_may_lie_elsewhere(tmp_path):

@@ -132,6 +132,7 @@ def test_a_ray_through_a_free_corner_visits_one_of_the_two_cells_beside_it():
 def test_a_ray_that_comes_down_ends_on_the_floor_between_two_grid_lines():
     distance, visited = flight(np.zeros((1, 20)), 0.25, 0.5, 0.0, z=0.05, climb=-0.01)
     assert distance == pytest.approx(5.0, abs=1e-12) and visited == 6
+    assert flight(np.zeros((1, 20)), 0.25, 0.5, 0.0, z=0.05, climb=-0.01, reach=4.9) == (4.9, 6)
 
 
 def test_a_ray_that_climbs_clears_a_board_and_one_that_does_not_meets_it():

@@ -197,8 +197,6 @@ def inflate(grid: GridMap, radius: float) -> GridMap:
     radius = float(as_floats(radius, "radius"))
     if radius < 0.0:
         raise ValueError(f"radius: must not be negative, got {radius!r}")
-    if radius == 0.0:
-        return grid
     blocked = np.pad(~grid.free, 2, constant_values=True).astype(np.uint8)
     grown = cv2.dilate(blocked, np.ones((3, 3), np.uint8))
     distance = cv2.distanceTransform(1 - grown, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[2:-2, 2:-2]
