@@ -275,7 +275,7 @@ def decode_lidar(stream: bytes, *, time: float = 0.0, per_metre: int = 100) -> L
     >>> found.readings[0].distance, found.bad, found.rest
     (1.23, 0, b'Y')
     """
-    readings, bad, place = [], 0, 0
+    readings, bad, place, done = [], 0, 0, 0
     while (place := stream.find(FRAME_HEAD, place)) >= 0 and place + FRAME_SIZE <= len(stream):
         frame = stream[place : place + FRAME_SIZE]
         if sum(frame[:-1]) & 0xFF != frame[-1]:
@@ -287,7 +287,7 @@ def decode_lidar(stream: bytes, *, time: float = 0.0, per_metre: int = 100) -> L
         if strength < WEAKEST or strength == SATURATED:
             distance = 0
         readings.append(LidarReading(time, distance / per_metre, strength, warmth / 8.0 - 256.0))
-        place += FRAME_SIZE
-    if place < 0:
-        place = len(stream) - stream.endswith(FRAME_HEAD[:1])
+        done = place = place + FRAME_SIZE
+    if place < 0:  # no head is left, but perhaps its first byte
+        place = max(done, len(stream) - stream.endswith(FRAME_HEAD[:1]))
     return LidarFrames(readings, bad, stream[place:])

@@ -98,11 +98,12 @@ def look(track, tick, lidars, world, noise, first, out):
     out : ndarray, shape (n, 3)
         Tick of the measurement, distance [m], strength.
     """
+    no_cells = np.empty((0, 2), np.int64)
     for j in range(len(out)):
         samples = (tick - lidars.phases[j]) // lidars.every
         moment = lidars.phases[j] + lidars.every * samples
         distance, light = _mean_distance(
-            track[moment % len(track)], lidars.mounts[j], lidars, world
+            track[moment % len(track)], lidars.mounts[j], lidars.rays, world, no_cells
         )
         strength = round(min(FULL_STRENGTH * lidars.reflectivity * light, BRIGHTEST))
         error = lidars.offsets[j] + lidars.noise * noise[samples + 1 - first, j]
@@ -117,7 +118,7 @@ def look(track, tick, lidars, world, noise, first, out):
 
 
 @njit
-def _mean_distance(row, mount, lidars, world):
+def _mean_distance(row, mount, rays, world, no_cells):
     """Where the light of one sensor comes back from, and how much of it (Σ w cos / d^2)."""
     heading, rise_x, rise_y = row[2], row[6], row[7]
     c, s = cos(heading), sin(heading)
@@ -125,11 +126,11 @@ def _mean_distance(row, mount, lidars, world):
     y = (row[1] + s * mount[0] + c * mount[1] - world.y) / world.resolution
     z = row[8] + rise_x * mount[0] + rise_y * mount[1] + mount[2]
     light = way = 0.0
-    for k in range(len(lidars.rays)):
-        left, up, share = lidars.rays[k, 0], lidars.rays[k, 1], lidars.rays[k, 2]
+    for k in range(len(rays)):
+        left, up, share = rays[k, 0], rays[k, 1], rays[k, 2]
         angle = mount[3] + left
         climb = rise_x * cos(angle) + rise_y * sin(angle) + up  # the beam tilts with the robot
-        distance, cosine = _meet(world, x, y, z, heading + angle, climb)
+        distance, cosine = _meet(world, x, y, z, heading + angle, climb, no_cells)
         if cosine > 0.0:
             share *= cosine / max(distance, LIDAR_RANGE[0]) ** 2
             light += share
@@ -138,12 +139,11 @@ def _mean_distance(row, mount, lidars, world):
 
 
 @njit
-def _meet(world, x, y, z, angle, climb):
+def _meet(world, x, y, z, angle, climb, no_cells):
     """Distance [m] at which a ray meets a surface, and the cosine to its normal; 0 for nothing."""
     dx, dy, size = cos(angle), sin(angle), world.resolution
     reach = LIDAR_RANGE[1] / size
-    cells = np.empty((0, 2), np.int64)
-    way, _ = walk(world.height, x, y, z, dx, dy, climb * size, reach, cells)
+    way, _ = walk(world.height, x, y, z, dx, dy, climb * size, reach, no_cells)
     if way >= reach:
         return 0.0, 0.0
     col, row = floor(x + (way + 1e-6) * dx), floor(y + (way + 1e-6) * dy)

@@ -22,7 +22,7 @@ SIGGRAPH course notes, 2001, part II, equation 8-18 (impulse of a collision).
 
 from __future__ import annotations
 
-from math import atan2, cos, pi, sin, sqrt
+from math import cos, floor, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -80,9 +80,9 @@ class State(NamedTuple):
         Of the modules.
     travel : ndarray, shape (n,)  [m]
         What each dead wheel rolled.
-    wheels : ndarray, shape (4, 6)
-        Of each module: slope of the floor under it, along x and y [m per m, map], where it would
-        roll to (2) [m/s, map], force on the body (2) [N, map].
+    wheels : ndarray, shape (4, 8)
+        Of each module, x and y in map axes: where it stands from the robot's middle [m], how it
+        would roll [m/s], its force on the body [N], and the floor's rise under it [m per m].
     battery : ndarray, shape (1,)  [V]
     contact : ndarray of int64, shape (2,)
         Whether the body touches something, and how often it began to.
@@ -183,7 +183,7 @@ def _drive_modules(state, command, body, h):
     top = body.max_speed * state.battery[0] / body.battery
     for i in range(4):
         error = command[1, i] - state.angles[i]
-        error = atan2(sin(error), cos(error))  # the shorter way round
+        error -= 2.0 * pi * floor(error / (2.0 * pi) + 0.5)  # the shorter way round
         rate = _limited(error / max(body.steering_lag, h), body.steering_rate)
         angle = state.angles[i] + h * rate
         state.angles[i] = angle - 2.0 * pi * ((angle >= pi) - (angle < -pi))
@@ -196,63 +196,69 @@ def _drive_modules(state, command, body, h):
 @njit
 def _grip(state, body, h):
     """New velocity from the wheels' grip and the slope."""
-    heading = state.pose[2] + 0.5 * h * state.velocity[2]  # halfway through the step
+    velocity, wheels = state.velocity, state.wheels
+    heading = state.pose[2] + 0.5 * h * velocity[2]  # halfway through the step
     c, s = cos(heading), sin(heading)
     rise_x = c * state.floor[0] - s * state.floor[1]  # from robot to map axes
     rise_y = s * state.floor[0] + c * state.floor[1]
     steep = 1.0 + rise_x * rise_x + rise_y * rise_y
     most = 0.25 * body.friction * body.mass * GRAVITY / sqrt(steep)  # mu N
-    pull = GRAVITY / steep
-    free_x, free_y = state.velocity[0] - h * pull * rise_x, state.velocity[1] - h * pull * rise_y
-    free_turn = state.velocity[2]
+    pull = h * GRAVITY / steep
+    free = velocity[0] - pull * rise_x, velocity[1] - pull * rise_y, velocity[2]
     for i in range(4):
-        wheel = state.wheels[i]
+        mx, my = body.modules[i, 0], body.modules[i, 1]
+        wheels[i, 0], wheels[i, 1] = c * mx - s * my, s * mx + c * my
         dx, dy = cos(heading + state.angles[i]), sin(heading + state.angles[i])
-        along = wheel[0] * dx + wheel[1] * dy  # a wheel rolls along the slope
+        along = wheels[i, 6] * dx + wheels[i, 7] * dy  # a wheel rolls along the slope
         speed = state.speeds[i] / sqrt(1.0 + along * along)
-        wheel[2], wheel[3] = speed * dx, speed * dy
-    vx, vy, turn = state.velocity[0], state.velocity[1], state.velocity[2]
+        wheels[i, 2], wheels[i, 3] = speed * dx, speed * dy
+    there = _rolling_velocity(wheels, body, h * most, free, (velocity[0], velocity[1], velocity[2]))
+    _push(state, body, h, most, there, free)
+
+
+@njit
+def _rolling_velocity(wheels, body, limit, free, guess):
+    """Velocity (x, y, turn) at the step's end: (M + h Σ K JᵀJ) v = M v_free + h Σ K Jᵀ u."""
+    vx, vy, turn = guess
+    slid = True
     for _ in range(SOLVES):
-        # (M + h Σ K JᵀJ) v = M v_free + h Σ K Jᵀ u, with J v = (vx - ω y, vy + ω x)
-        a, d = body.mass, body.inertia
-        p = q = 0.0
-        bx, by, bt = body.mass * free_x, body.mass * free_y, body.inertia * free_turn
+        a, d, p, q = body.mass, body.inertia, 0.0, 0.0
+        bx, by, bt = body.mass * free[0], body.mass * free[1], body.inertia * free[2]
+        slides = False
         for i in range(4):
-            x, y, ux, uy = _arm(body.modules[i], state.wheels[i], c, s)
+            x, y, ux, uy = wheels[i, 0], wheels[i, 1], wheels[i, 2], wheels[i, 3]
             slip = sqrt((ux - vx + turn * y) ** 2 + (uy - vy - turn * x) ** 2)
-            hk = h * most / max(slip, CREEP)
+            slides |= slip > CREEP
+            hk = limit / max(slip, CREEP)
             a, d = a + hk, d + hk * (x * x + y * y)
             p, q = p - hk * y, q + hk * x
             bx, by, bt = bx + hk * ux, by + hk * uy, bt + hk * (x * uy - y * ux)
+        if not (slides or slid):  # the K were these already
+            break
+        slid = slides
         turn = (bt - (p * bx + q * by) / a) / (d - (p * p + q * q) / a)
         vx, vy = (bx - p * turn) / a, (by - q * turn) / a
-    _push(state, body, h, c, s, most, (vx, vy, turn), (free_x, free_y, free_turn))
+    return vx, vy, turn
 
 
 @njit
-def _arm(module, wheel, c, s):
-    """Where a wheel stands from the robot's middle, and how it would roll; in map axes."""
-    return c * module[0] - s * module[1], s * module[0] + c * module[1], wheel[2], wheel[3]
-
-
-@njit
-def _push(state, body, h, c, s, most, there, free):
+def _push(state, body, h, most, there, free):
     """Forces for the slip at the step's end, none above its limit; velocity and load from them."""
+    wheels, velocity = state.wheels, state.velocity
     fx = fy = torque = power = 0.0
     for i in range(4):
-        wheel = state.wheels[i]
-        x, y, ux, uy = _arm(body.modules[i], wheel, c, s)
+        x, y, ux, uy = wheels[i, 0], wheels[i, 1], wheels[i, 2], wheels[i, 3]
         slip_x, slip_y = ux - there[0] + there[2] * y, uy - there[1] - there[2] * x
         share = most / max(sqrt(slip_x * slip_x + slip_y * slip_y), CREEP)
-        wheel[4], wheel[5] = share * slip_x, share * slip_y
-        fx, fy = fx + wheel[4], fy + wheel[5]
-        torque += x * wheel[5] - y * wheel[4]
-        power += abs(wheel[4] * ux + wheel[5] * uy)
-    state.velocity[0] = free[0] + h * fx / body.mass
-    state.velocity[1] = free[1] + h * fy / body.mass
-    state.velocity[2] = free[2] + h * torque / body.inertia
+        px, py = share * slip_x, share * slip_y
+        wheels[i, 4], wheels[i, 5] = px, py
+        fx, fy, torque = fx + px, fy + py, torque + x * py - y * px
+        power += abs(px * ux + py * uy)
+    velocity[0] = free[0] + h * fx / body.mass
+    velocity[1] = free[1] + h * fy / body.mass
+    velocity[2] = free[2] + h * torque / body.inertia
     for j in range(3):  # a robot at rest would creep through ever smaller numbers, which are slow
-        state.velocity[j] = 0.0 if abs(state.velocity[j]) < REST else state.velocity[j]
+        velocity[j] = velocity[j] if abs(velocity[j]) > REST else 0.0
     sag = max(body.battery - body.resistance * power / body.battery, 0.0)
     state.battery[0] += min(h / SMOOTHING, 1.0) * (sag - state.battery[0])
 
@@ -261,9 +267,10 @@ def _push(state, body, h, c, s, most, there, free):
 def _floor_at(x, y, table):
     """Height of the floor at a point, and its rise along x and y [map]."""
     for k in range(len(table) - 1, -1, -1):  # where rectangles overlap, the later one holds
-        x0, y0, x1, y1, height, rise_x, rise_y = table[k]
-        if x0 <= x <= x1 and y0 <= y <= y1:
-            return height + rise_x * (x - x0) + rise_y * (y - y0), rise_x, rise_y
+        if table[k, 0] <= x <= table[k, 2] and table[k, 1] <= y <= table[k, 3]:
+            rise_x, rise_y = table[k, 5], table[k, 6]
+            height = table[k, 4] + rise_x * (x - table[k, 0]) + rise_y * (y - table[k, 1])
+            return height, rise_x, rise_y
     return 0.0, 0.0, 0.0
 
 
@@ -273,9 +280,10 @@ def _stand(state, body, floor):
     c, s = cos(state.pose[2]), sin(state.pose[2])
     mean = along_x = along_y = xx = yy = 0.0
     for i in range(4):
-        mx, my = body.modules[i]
+        mx, my = body.modules[i, 0], body.modules[i, 1]
         x, y = state.pose[0] + c * mx - s * my, state.pose[1] + s * mx + c * my
-        height, state.wheels[i, 0], state.wheels[i, 1] = _floor_at(x, y, floor)
+        height, rise_x, rise_y = _floor_at(x, y, floor)
+        state.wheels[i, 6], state.wheels[i, 7] = rise_x, rise_y
         mean += 0.25 * height
         along_x, along_y = along_x + mx * height, along_y + my * height
         xx, yy = xx + mx * mx, yy + my * my
@@ -290,9 +298,10 @@ def _roll(state, body, floor, before):
     heading = before[2] + 0.5 * turn
     c, s = cos(heading), sin(heading)
     for i in range(len(body.dead_wheels)):
-        wx, wy, direction = body.dead_wheels[i]
+        wx, wy = body.dead_wheels[i, 0], body.dead_wheels[i, 1]
         x, y = c * wx - s * wy, s * wx + c * wy
-        cd, sd = cos(heading + direction), sin(heading + direction)
+        direction = heading + body.dead_wheels[i, 2]
+        cd, sd = cos(direction), sin(direction)
         _, rise_x, rise_y = _floor_at(before[0] + x, before[1] + y, floor)
         along = rise_x * cd + rise_y * sd
         way = cd * (dx - turn * y) + sd * (dy + turn * x)
@@ -308,13 +317,18 @@ def _collide(state, body, boxes):
     touching = False
     for _ in range(PUSHES):
         entered = False
+        x, y, far = state.pose[0], state.pose[1], 1.5 * body.half  # no corner is farther out
         for k in range(len(boxes)):
+            if not (boxes[k, 0] < x + far and x < boxes[k, 2] + far):
+                continue
+            if not (boxes[k, 1] < y + far and y < boxes[k, 3] + far):
+                continue
             gap, nx, ny = _gap_to(state.pose, body.half, boxes[k])
             touching |= gap <= TOUCH
             if gap < 0.0:
                 entered = True
-                x, y = _meeting_point(state.pose, body.half, boxes[k], nx, ny)
-                _bounce(state, body, x - state.pose[0], y - state.pose[1], nx, ny)
+                rx, ry = _meeting_point(state.pose, body.half, boxes[k], nx, ny)
+                _bounce(state, body, rx, ry, nx, ny)
                 state.pose[0] -= gap * nx
                 state.pose[1] -= gap * ny
         if not entered:
@@ -332,9 +346,6 @@ def _gap_to(pose, half, box):
     """
     hx, hy = 0.5 * (box[2] - box[0]), 0.5 * (box[3] - box[1])
     x, y = pose[0] - 0.5 * (box[0] + box[2]), pose[1] - 0.5 * (box[1] + box[3])
-    far = 1.5 * half  # no corner is farther from the middle
-    if abs(x) > hx + far or abs(y) > hy + far:
-        return 1.0, 0.0, 0.0
     c, s = cos(pose[2]), sin(pose[2])
     reach = half * (abs(c) + abs(s))
     best, nx, ny = abs(x) - hx - reach, 1.0 if x > 0.0 else -1.0, 0.0
@@ -352,7 +363,7 @@ def _gap_to(pose, half, box):
 
 @njit
 def _meeting_point(pose, half, box, nx, ny):
-    """Where body and box meet: corners of one inside the other, the deeper the more weight."""
+    """Where they meet, from the body's middle: corners inside the other, weighted by depth."""
     c, s = cos(pose[2]), sin(pose[2])
     middle_x, middle_y = 0.5 * (box[0] + box[2]), 0.5 * (box[1] + box[3])
     hx, hy = 0.5 * (box[2] - box[0]), 0.5 * (box[3] - box[1])
@@ -372,8 +383,8 @@ def _meeting_point(pose, half, box, nx, ny):
             if depth > 0.0 and abs(c * dx + s * dy) <= half and abs(c * dy - s * dx) <= half:
                 weight, x_sum, y_sum = weight + depth, x_sum + depth * x, y_sum + depth * y
     if weight == 0.0:
-        return pose[0] + bottom * nx, pose[1] + bottom * ny
-    return x_sum / weight, y_sum / weight
+        return bottom * nx, bottom * ny
+    return x_sum / weight - pose[0], y_sum / weight - pose[1]
 
 
 @njit
