@@ -14,16 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from robocon_course import field
 from robocon_course.autopilot import Parts
 from robocon_course.simulator import Simulator
+from robocon_course.simulator.machine import START
 from robocon_course.view.canvas import publish, show
 from robocon_course.view.field_picture import draw_field
-from robocon_course.view.live import Ride, photograph
+from robocon_course.view.live import MARGIN, VIEW, Ride, photograph
 from robocon_course.view.widgets import has_sliders
 
-START = (*field.START, np.pi / 2)
-AROUND = (-0.05, 4.95, -0.05, 3.7)
+AROUND = (-0.05, 3.95, -0.05, 3.45)
 FRAME = 0.1
 """Time between two pictures [s]."""
 PATIENCE = 60.0
@@ -32,7 +31,8 @@ LIMITS = (2.0, 2.0, 3.0)
 """Ends of the sliders: vx, vy [m/s] and omega [rad/s]."""
 DEAD_ZONE = 0.15
 """A stick that is let go stands within this share of its way."""
-NAMES = ("vx, forward [m/s]", "vy, left [m/s]", "ω, turn left [rad/s]")
+NAMES = ("vx [m/s]", "vy [m/s]", "ω [rad/s]")
+HINT = "vx forward, vy to the left, ω turns left.<br>A gamepad drives too: press a button on it."
 
 
 def drive(parts: Parts | None = None, *, simulator: Simulator | None = None) -> None:
@@ -98,32 +98,29 @@ class Panel:
         self._wake()
 
     def _widgets(self) -> Any:
-        """Picture and readout above, sliders and buttons below."""
+        """The picture, beside it sliders and buttons, below it the readout."""
         import ipywidgets as w
 
-        wide = w.Layout(width="26em")
-        style = {"description_width": "10em"}
+        style = {"description_width": "5em"}
         self.sliders = [
-            w.FloatSlider(
-                0.0, min=-end, max=end, step=0.1, description=name, layout=wide, style=style
-            )
+            w.FloatSlider(0.0, min=-end, max=end, step=0.1, description=name, style=style)
             for name, end in zip(NAMES, LIMITS, strict=True)
         ]
-        self.field_centric = w.Checkbox(
-            False, description="field-centric: x, y of the map", indent=False
-        )
+        for slider in self.sliders:
+            slider.layout.width = "22em"
+        self.field_centric = w.Checkbox(False, description="along the map's axes", indent=False)
         self.stop = w.Button(description="Stop", icon="stop", button_style="danger")
-        self.image = w.Image(format="png", layout=w.Layout(max_width="100%"))
+        size = f"{VIEW[0] + MARGIN[0]}px"
+        self.image = w.Image(format="png", layout=w.Layout(width=size, flex="0 0 auto"))
         self.readout = w.HTML("Starting the simulator …")
         self.pad = w.Controller(index=0)
         for control in (*self.sliders, self.field_centric):
             control.observe(self._wake, names="value")
         self.stop.on_click(self._stop)
         self.pad.observe(self._plugged, names="axes")
-        hint = w.HTML("A gamepad drives too: press any of its buttons.")
-        right = w.VBox([self.field_centric, self.stop, hint])
-        below = w.HBox([w.VBox(self.sliders), right], layout=w.Layout(flex_flow="row wrap"))
-        return w.VBox([self.image, self.readout, below])
+        side = w.VBox([*self.sliders, self.field_centric, self.stop, w.HTML(HINT)])
+        above = w.HBox([self.image, side], layout=w.Layout(flex_flow="row wrap"))
+        return w.VBox([above, self.readout])
 
     def _wake(self, _: Any = None) -> None:
         """Something was touched: drive on, if nothing drives yet."""
@@ -159,7 +156,7 @@ class Panel:
             self.readout.value = html.escape(f"{type(error).__name__}: {error}")
 
     def _ride(self) -> Ride:
-        return Ride(self.simulator or Simulator(start=START), self.parts)
+        return Ride(self.simulator or Simulator(), self.parts)
 
     async def _drive_on(self) -> None:
         loop, ride, note = asyncio.get_running_loop(), self.ride, ""

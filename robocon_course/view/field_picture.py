@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import cache
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon, Rectangle
+from matplotlib.patches import Polygon
 from matplotlib.patheffects import Normal, Stroke
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import ArrayLike
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike
 from robocon_course import field
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.robot import SIDE
-from robocon_course.view.body import RobotPicture, robot_shapes
+from robocon_course.view.body import RobotPicture, Shape, robot_shapes
 from robocon_course.view.canvas import TRUTH, colours_of, figure, styled
 
 Window = tuple[float, float, float, float]
@@ -77,9 +78,7 @@ def draw_field(
     draw_ground(ax, window, pale)
     draw_tracks(ax, tracks)
     for one in robots:
-        for shape in robot_shapes(one):
-            style = {"color": shape.colour, "alpha": shape.opacity, "linewidth": 0.0, "zorder": 5}
-            ax.add_patch(Polygon(shape.corners, **style))
+        draw_shapes(ax, robot_shapes(one), zorder=5)
     for label, points in rings.items():
         draw_rings(ax, label, points)
     return ax.figure
@@ -149,7 +148,7 @@ def draw_ground(ax: Axes, window: Window, pale: float) -> None:
         x, y = (origin + np.array(low) / cells).tolist()
         extent = (x, x + part.shape[1] / cells, y, y + part.shape[0] / cells)
         ax.imshow(shown, origin="lower", extent=extent, interpolation="antialiased")
-    _draw_edges(ax)
+    draw_shapes(ax, field_edges(), zorder=1)
     ax.set(xlim=window[:2], ylim=window[2:], aspect="equal", xlabel="x [m]", ylabel="y [m]")
     step = 0.5 if min(window[1] - window[0], window[3] - window[2]) <= 3.5 else 1.0
     for axis in (ax.xaxis, ax.yaxis):
@@ -158,17 +157,28 @@ def draw_ground(ax: Axes, window: Window, pale: float) -> None:
     ax.spines[:].set_visible(False)
 
 
-def _draw_edges(ax: Axes) -> None:
-    """What has one colour on both sides: the edges of ramps and steps, in both halves."""
-    thin = {"facecolor": "none", "edgecolor": "#00000050", "linewidth": 0.8}
-    dark = {"color": TRUTH, "alpha": 0.55, "linewidth": 2.2, "solid_capstyle": "butt", "zorder": 1}
-    for mirror in (lambda x: x, lambda x: field.SIZE - x):
-        for slope in (field.RAMP_1, field.RAMP_2, field.SIDE_SLOPE):
-            left, right = sorted((mirror(slope.x0), mirror(slope.x1)))
-            size = right - left, slope.y1 - slope.y0
-            ax.add_patch(Rectangle((left, slope.y0), *size, **thin))
-        for step in field.STEPS:
-            ax.plot((mirror(step.x0), mirror(step.x1)), (step.y0, step.y1), **dark)
+@cache
+def field_edges() -> tuple[Shape, ...]:
+    """What has one colour on both sides: steps and the sides of ramps, and where slopes begin."""
+    thin = 0.012
+    boxes = [(step.x0, step.y0, step.x1, step.y1, 0.5) for step in field.LEDGES]
+    for ramp in (field.RAMP_1, field.RAMP_2):
+        boxes += [(ramp.x0, y - thin, ramp.x1, y + thin, 0.25) for y in (ramp.y0, ramp.y1)]
+    side = field.SIDE_SLOPE
+    boxes += [(x - thin, side.y0, x + thin, side.y1, 0.25) for x in (side.x0, side.x1)]
+    shapes = []
+    for x0, y0, x1, y1, opacity in boxes:
+        corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+        mirrored = np.array([field.SIZE, 0.0]) + corners * [-1.0, 1.0]
+        shapes += [Shape(corners, TRUTH, opacity), Shape(mirrored, TRUTH, opacity)]
+    return tuple(shapes)
+
+
+def draw_shapes(ax: Axes, shapes: Iterable[Shape], zorder: float) -> None:
+    """Polygons in metres."""
+    for shape in shapes:
+        style = {"color": shape.colour, "alpha": shape.opacity, "linewidth": 0.0}
+        ax.add_patch(Polygon(shape.corners, zorder=zorder, **style))
 
 
 def draw_tracks(ax: Axes, tracks: Mapping[str, FloatArray]) -> None:

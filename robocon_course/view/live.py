@@ -10,18 +10,18 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from robocon_course import field, robot, swerve
-from robocon_course.autopilot import Parts
+from robocon_course.autopilot import Part, Parts
 from robocon_course.simulator import Simulator
 from robocon_course.view.body import RobotPicture, robot_shapes
 from robocon_course.view.canvas import MINE, TRUTH
-from robocon_course.view.field_picture import WHOLE_FIELD
+from robocon_course.view.field_picture import WHOLE_FIELD, field_edges
 from robocon_course.view.raster import Pixels, Scale, font, paint, rgb
 
 CONTROL = 0.02
 """Time between two commands to the modules [s]."""
 PER_METRE = 120
-VIEW = (600, 450)
-"""Width and height of the live picture [pixel]: 5 m by 3.75 m."""
+VIEW = (480, 420)
+"""Width and height of the live picture [pixel]: 4 m by 3.5 m; sliders find room beside it."""
 MARGIN = (34, 24)
 """Room at the left and below for the numbers of the axes [pixel]."""
 PALE = 0.25
@@ -46,6 +46,15 @@ class Ride:
 
     def __init__(self, simulator: Simulator, parts: Parts) -> None:
         self.simulator, self.parts = simulator, parts
+        # PROVISIONAL until Parts has them
+        import types
+
+        self.parts = types.SimpleNamespace(
+            **{
+                n: getattr(parts, n, getattr(swerve, n))
+                for n in ("module_targets", "limit_speeds", "shortest_turn")
+            }
+        )
         self.twist: tuple[float, float, float] = (0.0, 0.0, 0.0)
         self.field_centric = False
         self.observation = simulator.read()
@@ -93,9 +102,12 @@ class Ride:
         if self.field_centric:
             twist = swerve.field_to_robot(twist, self.pose[2])
         now = self.observation.module_angles
-        targets = self.parts.module_targets(robot.MODULES, twist, now)
-        targets = self.parts.limit_speeds(targets, robot.MAX_SPEED)
-        return robot.Command(*self.parts.shortest_turn(targets, now))
+        targets = self._part("module_targets")(robot.MODULES, twist, now)
+        targets = self._part("limit_speeds")(targets, robot.MAX_SPEED)
+        return robot.Command(*self._part("shortest_turn")(targets, now))
+
+    def _part(self, name: str) -> Part:
+        return getattr(self.parts, name, None) or getattr(swerve, name)
 
 
 def photograph(ride: Ride) -> bytes:
@@ -117,14 +129,19 @@ def _floor() -> Pixels:
     """The field with the largest y at the top, a little paler than it is."""
     picture = field.picture(1.0 / PER_METRE)[::-1]
     floor = (picture * (1.0 - PALE) + 255.0 * PALE).astype(np.uint8)
+    paint(floor, field_edges(), _whole(len(floor)))
     floor.setflags(write=False)
     return floor
+
+
+def _whole(rows: int) -> Scale:
+    return Scale(PER_METRE, -WHOLE_FIELD[0] * PER_METRE, rows + WHOLE_FIELD[2] * PER_METRE)
 
 
 def _field_at(x: float, y: float) -> tuple[Pixels, Scale]:
     """A piece of the field around a point, but never beyond the fences."""
     rows, columns, _ = _floor().shape
-    whole = Scale(PER_METRE, -WHOLE_FIELD[0] * PER_METRE, rows + WHOLE_FIELD[2] * PER_METRE)
+    whole = _whole(rows)
     column, row = whole.pixels(np.array([x, y])).round().astype(int).tolist()
     width, height = VIEW
     left = min(max(column - width // 2, 0), columns - width)
