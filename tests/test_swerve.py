@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, nan, pi
 
 import numpy as np
@@ -12,7 +13,9 @@ from hypothesis.extra.numpy import arrays
 
 from conftest import missing
 from robocon_course import geometry, swerve
+from robocon_course.autopilot import Parts, module_command
 from robocon_course.robot import MODULES
+from robocon_course.simulator import IDEAL, Simulator
 from robocon_course.swerve.modules import fill_targets
 from robocon_course.swerve.motion import fill_motion
 
@@ -583,6 +586,66 @@ def test_wheels_of_the_robot_can_follow_a_target_with_a_period_of_five_seconds(t
     pose, twist = target(t, period=5.0)
     body = swerve.field_to_robot(twist, pose[:, 2])
     assert 2.5 < swerve.module_targets(MODULES, body, UNTURNED).speeds.max() < 3.2
+
+
+# --- the whole way, in the simulator -------------------------------------------------------------
+
+SIDES = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)]
+
+
+def drive_sides(parts, spin, sides=SIDES, *, speed=0.5, dt=0.02):
+    """A metre along each side, in the field's axes, turning all the while, then a stop.
+
+    The heading is known, the position is not: what slips or skews adds up. Returns the truth at
+    the end, and how far each command asked each module to steer.
+    """
+    robot = Simulator(sensors=IDEAL, start=(1.0, 1.0, 0.0))
+    wanted = np.repeat([[speed * x, speed * y, spin] for x, y in sides], round(1 / speed / dt), 0)
+    turns = []
+    for twist in [*wanted, *np.zeros((50, 3))]:
+        now = robot.read().module_angles
+        command = module_command(parts, twist, robot.truth.pose[2], now, dt=dt)
+        turns.append(geometry.wrap_angle(command.angles - now))
+        robot.apply(command)
+        robot.step(dt)
+    return robot.truth, np.abs(turns)
+
+
+@pytest.mark.parametrize("spin", [1.0, -1.0, 2.0, 0.0])
+def test_the_robot_drives_a_square_on_the_field_while_it_turns(spin):
+    truth, _ = drive_sides(Parts(), spin)
+    # 1 % of the way: modules take 0.05 s to steer and to speed up, at each of four corners.
+    assert np.hypot(*truth.pose[:2] - 1.0) < 0.04
+    assert truth.pose[2] == pytest.approx(8.0 * spin, rel=0.01)
+    assert truth.contacts == 0 and np.abs(truth.module_speeds).max() < 1e-6
+
+
+def test_driven_in_its_own_axes_the_turning_robot_ends_elsewhere():
+    own_axes = replace(Parts(), field_to_robot=lambda twist, theta: twist)
+    truth, _ = drive_sides(own_axes, 1.0)
+    assert np.hypot(*truth.pose[:2] - 1.0) > 0.4
+
+
+def test_with_the_shortest_turn_no_module_is_asked_for_more_than_a_quarter_turn():
+    there_and_back = [(1.0, 0.0), (-1.0, 0.0)]
+    _, kind = drive_sides(Parts(), 0.0, there_and_back)
+    assert kind.max() < 1e-9  # it drives back as it came
+    _, kind = drive_sides(Parts(), 1.0)
+    assert 1.0 < kind.max() <= pi / 2 + 1e-12
+    rough = replace(Parts(), shortest_turn=lambda targets, angles: targets)
+    _, turns = drive_sides(rough, 0.0, there_and_back)
+    assert turns.max() == pytest.approx(pi)
+
+
+def test_the_robot_reaches_a_still_target_and_stands():
+    robot, goal = Simulator(sensors=IDEAL, start=(1.0, 1.0, 0.0)), np.array([1.8, 1.6, pi / 2])
+    for _ in range(400):
+        pose, now = robot.truth.pose, robot.read().module_angles
+        wanted = swerve.pose_feedback(pose, goal, 2.0)
+        robot.apply(module_command(Parts(), wanted, pose[2], now, dt=0.02))
+        robot.step(0.02)
+    # exp(-16), and below REST / gain = 0.05 mm no wheel moves any more.
+    assert np.abs(robot.truth.pose - goal).max() < 2e-4
 
 
 # --- beside another house's kinematics -----------------------------------------------------------
