@@ -117,6 +117,15 @@ def test_the_program_s_points_lie_where_the_source_puts_them():
     assert field.AREA_3_GOAL == pytest.approx((field.RAMP_2.centre[0], field.SILOS[2][1]))
     assert field.AREA_3.contains(*field.SILO_POST)
     assert math.dist(field.PILE_TARGET, field.PILE) < field.PILE_HALF_DIAGONAL
+    # Above this line the whole robot is over the edge of Area 3, however it is turned (0.46 m).
+    assert field.AREA_3_LINE - field.AREA_3.y0 == pytest.approx(0.325 * math.sqrt(2), abs=0.01)
+
+
+def test_the_middles_of_the_silos_span_80_degrees_seen_from_the_post():
+    x, y = field.SILO_POST
+    bearings = [math.degrees(math.atan2(b - y, a - x)) for a, b in field.SILOS]
+    assert bearings[-1] - bearings[0] == pytest.approx(80.0, abs=1.0)
+    assert bearings[2] == pytest.approx(0.0, abs=1.0)  # silo 3 lies straight ahead
 
 
 def test_the_way_to_area_3_climbs_both_ramps_and_keeps_off_water_and_steps():
