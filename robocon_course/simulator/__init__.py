@@ -2,17 +2,20 @@
 
 ============  ==================================================================
 ``machine``   `Simulator`: read, apply, step; the truth apart
+``truth``     `Truth`: what is really so
 ``model``     `RobotModel`: the true sizes of one robot, and the field under it
 ``physics``   wheels that grip and slide, ramps, walls
 ``sensors``   `SensorModel`: all sensors' errors and rates
 ``inertial``  what the IMU reads
 ``lidar``     what the LiDARs read
+``noise``     random numbers by row
 ``motions``   known motions for an IMU to record
 ============  ==================================================================
 """
 
-from robocon_course.simulator.machine import Simulator, Truth
+from robocon_course.simulator.machine import Simulator
 from robocon_course.simulator.model import RobotModel
 from robocon_course.simulator.sensors import IDEAL, LidarErrors, SensorModel
+from robocon_course.simulator.truth import Truth
 
 __all__ = ["IDEAL", "LidarErrors", "RobotModel", "SensorModel", "Simulator", "Truth"]

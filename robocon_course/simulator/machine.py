@@ -7,7 +7,6 @@ between two points of the grid, and then moves the rest of the way next time.
 from __future__ import annotations
 
 from math import floor
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,8 +23,10 @@ from robocon_course.robot import (
 )
 from robocon_course.simulator import inertial, lidar, physics
 from robocon_course.simulator.model import RobotModel, game_field
+from robocon_course.simulator.noise import Noise
 from robocon_course.simulator.physics import TICK
 from robocon_course.simulator.sensors import SensorModel, ticks_between
+from robocon_course.simulator.truth import Truth, truth_of
 
 START = (*field.START, 0.0)
 """Where Robot 2 starts [m, m, rad; map]: in its zone, looking towards the other team."""
@@ -35,64 +36,10 @@ UNREAD = 1000
 """IMU samples that wait for a `read`; of more, the oldest are lost."""
 TEMPERATURE = 25.0
 """Of the LiDARs [deg C]."""
+RATE = round(1.0 / TICK)
+"""Ticks in a second; a tick's number divided by it gives the decimal one writes."""
 _ROWS = 512  # ticks that the track remembers
 _CHUNK = 250  # ticks at a time, fewer than it remembers
-_BLOCK = 256  # rows of noise drawn at a time
-
-
-class Truth(NamedTuple):
-    """What is really so; for graders and plots, never for autonomy.
-
-    Attributes
-    ----------
-    time : float  [s]
-    pose : ndarray, shape (3,)  [m, m, rad; map]
-        Theta is not wrapped.
-    twist : ndarray, shape (3,)  [m/s, m/s, rad/s; base]
-    attitude : ndarray, shape (4,)
-        Unit quaternion (w, x, y, z), base -> map.
-    height : float  [m]
-        Of the floor under the robot's middle, above the ground under the stage.
-    travel : ndarray, shape (n,)  [m]
-        What each dead wheel rolled since the start.
-    module_speeds, module_angles : ndarray, shape (4,)  [m/s, rad]
-    slip : ndarray, shape (4,)  [m/s]
-        Speed of each drive wheel's tread over the floor.
-    battery : float  [V]
-    contact : bool
-        Whether the body touches something.
-    contacts : int
-        How often it began to.
-    """
-
-    time: float
-    pose: FloatArray
-    twist: FloatArray
-    attitude: FloatArray
-    height: float
-    travel: FloatArray
-    module_speeds: FloatArray
-    module_angles: FloatArray
-    slip: FloatArray
-    battery: float
-    contact: bool
-    contacts: int
-
-
-class _Noise:
-    """Rows of standard normal numbers, drawn in order; a window on the latest is kept."""
-
-    def __init__(self, rng: np.random.Generator, width: int) -> None:
-        self.rng = rng
-        self.window = rng.standard_normal((2 * _BLOCK, width))
-        self.first = 0
-
-    def reach(self, row: int) -> None:
-        """Move the window on until it holds a row."""
-        while row >= self.first + 2 * _BLOCK:
-            self.window[:_BLOCK] = self.window[_BLOCK:]
-            self.window[_BLOCK:] = self.rng.standard_normal((_BLOCK, self.window.shape[1]))
-            self.first += _BLOCK
 
 
 class Simulator:
@@ -170,8 +117,8 @@ class Simulator:
         self._uncounted = np.zeros_like(self._state.travel)
         words = np.random.SeedSequence(int(seed)).spawn(3)
         rngs = [np.random.Generator(np.random.PCG64(word)) for word in words]
-        self._imu_noise = _Noise(rngs[0], inertial.NOISES)
-        self._lidar_noise = _Noise(rngs[1], len(LIDARS))
+        self._imu_noise = Noise(rngs[0], inertial.NOISES)
+        self._lidar_noise = Noise(rngs[1], len(LIDARS))
         self._lidars = self._drawn_lidars(rngs[2])
         self._imu_memory = np.zeros(11)
         inertial.attitude(*self._track[0, [2, 6, 7]], self._imu_memory[:4])
@@ -241,7 +188,6 @@ class Simulator:
         state, sensors, count = self._state, self.sensors, self._unread
         samples, self._unread = self._imu[:count].copy(), 0
         last = self._tick // self._imu_every
-        every = self._imu_every / 500
         looks = np.empty((len(LIDARS), 3))
         noise = self._lidar_noise
         lidar.look(
@@ -250,11 +196,11 @@ class Simulator:
         return Observation(
             time=self.time,
             ticks=np.floor((state.travel - self._uncounted) / self._metres_per_tick).astype(int),
-            imu_time=np.arange(last - count + 1, last + 1) * every,
+            imu_time=np.arange(last - count + 1, last + 1) * self._imu_every / RATE,
             gyro=samples[:, :3],
             accel=samples[:, 3:],
             lidar=tuple(
-                LidarReading(tick / 500, distance, int(strength), TEMPERATURE)
+                LidarReading(tick / RATE, distance, int(strength), TEMPERATURE)
                 for tick, distance, strength in looks.tolist()
             ),
             module_speeds=np.rint(state.speeds / sensors.speed_step) * sensors.speed_step,
@@ -265,33 +211,12 @@ class Simulator:
     @property
     def time(self) -> float:
         """Since the last reset [s]."""
-        return (self._tick + self._part) / 500
+        return (self._tick + self._part) / RATE
 
     @property
     def truth(self) -> Truth:
-        """What is really so, for graders and plots: a copy, which nothing can change."""
-        state = self._state
-        theta, (vx, vy, omega) = state.pose[2], state.velocity[:3]
-        c, s = np.cos(theta), np.sin(theta)
-        attitude = np.empty(4)
-        inertial.attitude(theta, state.floor[0], state.floor[1], attitude)
-        twist = np.array([c * vx + s * vy, c * vy - s * vx, omega])
-        arms = self._body.modules @ np.array([(c, s), (-s, c)])
-        over = state.velocity[:2] + omega * arms[:, ::-1] * (-1.0, 1.0)
-        return Truth(
-            time=self.time,
-            pose=state.pose.copy(),
-            twist=twist,
-            attitude=attitude,
-            height=float(state.floor[2]),
-            travel=state.travel.copy(),
-            module_speeds=state.speeds.copy(),
-            module_angles=state.angles.copy(),
-            slip=np.hypot(*(state.wheels[:, 2:4] - over).T),
-            battery=float(state.battery[0]),
-            contact=bool(state.contact[0]),
-            contacts=int(state.contact[1]),
-        )
+        """What is really so, for graders and plots; a copy."""
+        return truth_of(self._state, self._body, self.time)
 
     # --- inside ----------------------------------------------------------------------------------
 

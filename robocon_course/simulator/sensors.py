@@ -112,6 +112,9 @@ class SensorModel:
         for name in ("angle_step", "speed_step"):
             if not 0.0 < getattr(self, name) < inf:
                 raise ValueError(f"{name}: must be positive, got {getattr(self, name)!r}")
+        for gap in self.encoder_gaps:
+            if len(gap) != 3 or gap[0] not in (0, 1, 2) or not gap[1] <= gap[2]:
+                raise ValueError(f"encoder_gaps: each is (wheel 0, 1 or 2, start, end), got {gap}")
 
 
 def ticks_between(rate: float, name: str = "rate") -> int:
