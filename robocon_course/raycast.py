@@ -72,7 +72,7 @@ def walk(height, x, y, z, dx, dy, dz, reach, cells):
         visited += 1
         across = next_x < next_y
         leave = next_x if across else next_y
-        top = height[row, col]
+        top = float(height[row, col])
         if top > z + dz * (leave if falls else t):  # the ray's lowest point in this cell
             if top > z + dz * t:
                 return t, visited
