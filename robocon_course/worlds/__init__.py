@@ -10,7 +10,14 @@
 ===========  ====================================================
 """
 
-from robocon_course.worlds.drive import DRIVES, DriveLog, drive_log, simulated_drive
+from robocon_course.worlds.drive import (
+    DRIVES,
+    DriveLog,
+    bumps,
+    drive_log,
+    failures,
+    simulated_drive,
+)
 from robocon_course.worlds.imu import (
     DT,
     LEAN,
@@ -59,7 +66,9 @@ __all__ = [
     "Student",
     "SwerveWorld",
     "WheelLog",
+    "bumps",
     "drive_log",
+    "failures",
     "generator",
     "gyro_of",
     "imu_rungs",

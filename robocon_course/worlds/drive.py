@@ -28,15 +28,18 @@ from robocon_course.worlds.student import Student, generator
 
 START = (1.0, 1.0, 0.0)
 """Where the drives begin [m, m, rad; map]."""
-AREA = ((0.7, 0.9), (5.1, 3.3))
-"""Corners of where the middle of the robot goes, in Area 1 [m, map]: clear of rack and ledge."""
+AREA = ((0.7, 0.9), (5.1, 2.5))
+"""Corners of where the middle of the robot goes, in Area 1 [m, map]: clear of rack and ramp."""
 CYCLE = 0.02  # s, from one observation to the next
 REST = 3.0  # s, before the first leg
 GAIN = 2.5  # 1/s
 FASTEST = (1.4, 2.0)  # m/s, rad/s
 HARDEST = (2.0, 5.0)  # m/s^2, rad/s^2
 NEAR = (0.08, 0.08)  # m, rad
+SEAMS = 3.0  # s, from one hop of a wheel to the next
 DRIVES = ("ideal", "noisy", "degraded")
+Gaps = tuple[tuple[int, float, float], ...]
+"""Wheel, and the times [s] between which its counter stands still."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +83,7 @@ def simulated_drive(student: Student, kind: str = "noisy", duration: float = 40.
         Student number.
     kind : {"ideal", "noisy", "degraded"}
         ``"ideal"``: a robot as drawn, with a perfect IMU. ``"noisy"``: the student's robot and
-        IMU. ``"degraded"``: the same, and two wheels that now and then hang in the air or are
-        not heard.
+        IMU, and `bumps`. ``"degraded"``: the same with `failures` in their place.
     duration : float  [s]
 
     Returns
@@ -93,7 +95,7 @@ def simulated_drive(student: Student, kind: str = "noisy", duration: float = 40.
     wheels = DEAD_WHEELS if kind == "ideal" else own_wheels(student)
     errors = None if kind == "ideal" else own_imu(student)
     rng = generator(student, "simulated drive", kind, f"{duration:g}")
-    gaps = _gaps(rng, duration) if kind == "degraded" else ()
+    gaps = {"ideal": lambda *_: (), "noisy": bumps, "degraded": failures}[kind](rng, duration)
     return drive_log(wheels, errors, rng, duration, gaps=gaps)
 
 
@@ -103,7 +105,7 @@ def drive_log(
     rng: np.random.Generator,
     duration: float = 180.0,
     *,
-    gaps: tuple[tuple[int, float, float], ...] = (),
+    gaps: Gaps = (),
 ) -> DriveLog:
     """A random drive of a robot with these dead wheels and this IMU.
 
@@ -175,11 +177,41 @@ def _command(twist: FloatArray, pose: FloatArray, angles: FloatArray) -> Command
     return Command(*limit_speeds(targets, MAX_SPEED))
 
 
-def _gaps(rng: np.random.Generator, duration: float) -> tuple[tuple[int, float, float], ...]:
-    """One encoder not heard for 2 s, and wheels that hang in the air for a moment, a few times."""
+def bumps(rng: np.random.Generator, duration: float) -> Gaps:
+    """Seams in the floor: every few seconds one wheel hops, and misses up to 15 ms of its way.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    duration : float  [s]
+
+    Returns
+    -------
+    tuple of (wheel, start, end)
+    """
+    starts = np.arange(REST + 1.0, duration - 1.0, SEAMS) + rng.uniform(0.0, 1.0)
+    return tuple(
+        (int(rng.integers(3)), float(start), float(start + rng.uniform(0.005, 0.015)))
+        for start in starts
+    )
+
+
+def failures(rng: np.random.Generator, duration: float) -> Gaps:
+    """Left or right wheel not heard for 2 s once, and in the air for a moment a few times.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    duration : float  [s]
+
+    Returns
+    -------
+    tuple of (wheel, start, end)
+    """
     starts = np.linspace(REST + 3.0, duration - 3.0, max(3, int(duration / 8.0)))
-    gaps = []
-    for number, start in enumerate(starts):
-        length = 2.0 if number == 1 else rng.uniform(0.2, 0.5)
-        gaps.append((int(rng.choice([LEFT, RIGHT])), float(start), float(start + length)))
-    return tuple(gaps)
+    lengths = rng.uniform(0.2, 0.5, len(starts))
+    lengths[1] = 2.0
+    return tuple(
+        (int(rng.choice([LEFT, RIGHT])), float(start), float(start + length))
+        for start, length in zip(starts, lengths, strict=True)
+    )

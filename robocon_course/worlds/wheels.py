@@ -24,7 +24,8 @@ SAMPLE = 0.01  # s
 BITS = 16
 """Width of the encoder counters in the robot's microcontroller."""
 RUN = (2.4, 2.0)
-"""Straight run of the calibration, without a turn [m, base]: slanting, so that all wheels roll."""
+"""Straight run of the calibration [m, base]: slanting, so that all wheels roll."""
+CROOKED = (0.001, 0.002)  # rad, by which the run turned all the same; no eye sees 0.1 degrees
 SPIN = 20.0 * np.pi
 """Spin of the calibration: ten turns to the left [rad]."""
 SQUARE = 2.0
@@ -67,7 +68,7 @@ class OdometryWorld:
     wheels : TrackingWheels
         The true sizes, which calibration looks for.
     run : WheelLog
-        A straight slanting run of `RUN`.
+        A slanting run of `RUN`, as straight as somebody can push a robot.
     spin : WheelLog
         A spin on the spot by `SPIN`.
     square : WheelLog
@@ -84,7 +85,8 @@ class OdometryWorld:
 def odometry_world(student: Student) -> OdometryWorld:
     """Drives of one student's robot: the same to the bit on every machine."""
     wheels, rng = own_wheels(student), generator(student, "wheel logs")
-    run = wheel_log([(*RUN, 0.0, 6.0)], wheels, rng)
+    crooked = rng.uniform(*CROOKED) * rng.choice([-1.0, 1.0])
+    run = wheel_log([(*RUN, crooked, 6.0)], wheels, rng)
     spin = wheel_log([(0.0, 0.0, SPIN, 40.0)], wheels, rng)
     side = [(SQUARE, 0.0, 0.0, 3.0), (0.0, 0.0, np.pi / 2, 2.0)]
     return OdometryWorld(wheels, run, spin, wheel_log(8 * side, wheels, rng))
