@@ -1,0 +1,138 @@
+"""How fast are the swerve kinematics beside those of wpimath?
+
+    python benchmarks/swerve.py
+
+One process; contenders take turns; the median of the repeats counts, in CPU time, so that a
+busy neighbour matters less. Before any time is taken the results are compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from statistics import median
+from time import process_time
+
+import numpy as np
+from wpimath.geometry import Rotation2d, Translation2d
+from wpimath.kinematics import ChassisSpeeds, SwerveDrive4Kinematics, SwerveModuleState
+
+from robocon_course import swerve
+from robocon_course.robot import MODULES
+from robocon_course.swerve.modules import fill_targets
+from robocon_course.swerve.motion import fill_motion
+
+ROWS = 20_000
+REPEATS = 9
+DRIVE = swerve.SwerveDrive(MODULES)
+PEER = SwerveDrive4Kinematics(*[Translation2d(*place) for place in MODULES])
+HELD = np.zeros(4)
+
+
+def medians(contenders: dict[str, Callable[[], object]]) -> dict[str, float]:
+    """Median CPU time of one row of each contender [s]."""
+    times: dict[str, list[float]] = {name: [] for name in contenders}
+    for turn in range(REPEATS + 1):
+        for name, contender in contenders.items():
+            start = process_time()
+            contender()
+            if turn:  # the first turn compiles and warms the caches
+                times[name].append((process_time() - start) / ROWS)
+    return {name: median(values) for name, values in times.items()}
+
+
+def peer_inverse(vx: float, vy: float, omega: float) -> tuple[list[float], list[float]]:
+    """Floats in, floats out, by the peer."""
+    states = PEER.toSwerveModuleStates(ChassisSpeeds(vx, vy, omega))
+    return [s.speed for s in states], [s.angle.radians() for s in states]
+
+
+def peer_forward(speeds: list[float], angles: list[float]) -> tuple[float, float, float]:
+    """Floats in, floats out, by the peer."""
+    found = PEER.toChassisSpeeds(peer_states(speeds, angles))
+    return found.vx, found.vy, found.omega
+
+
+def peer_states(speeds: list[float], angles: list[float]) -> tuple[SwerveModuleState, ...]:
+    """Readings in the peer's own objects."""
+    pairs = zip(speeds, angles, strict=True)
+    return tuple(SwerveModuleState(speed, Rotation2d(angle)) for speed, angle in pairs)
+
+
+def assert_equal_results(
+    twists: np.ndarray, targets: swerve.ModuleTargets, speeds: np.ndarray
+) -> None:
+    """The peer, the batch and the single calls tell the same modules and the same motion."""
+    motion = swerve.body_motion(DRIVE, speeds, targets.angles)
+    for k, twist in enumerate(twists):
+        theirs = peer_inverse(*twist)
+        single = swerve.module_targets(DRIVE, twist, HELD)
+        np.testing.assert_array_equal(single, (targets.speeds[k], targets.angles[k]))
+        np.testing.assert_allclose(theirs[0], single.speeds, rtol=0.0, atol=1e-9)
+        off = np.exp(1j * np.array(theirs[1])) - np.exp(1j * single.angles)
+        np.testing.assert_allclose(off, 0.0, atol=1e-9)
+        back = peer_forward(speeds[k], targets.angles[k])
+        np.testing.assert_allclose(back, motion.twist[k], rtol=0.0, atol=1e-9)
+
+
+def contenders(twists: np.ndarray, targets: swerve.ModuleTargets, speeds: np.ndarray) -> dict:
+    """Every one goes once through the same rows, alone or in a plain loop."""
+    angles = targets.angles
+    rows, turned = list(twists), list(zip(speeds, angles, strict=True))
+    floats, readings = twists.tolist(), list(zip(speeds.tolist(), angles.tolist(), strict=True))
+    chassis = [ChassisSpeeds(*row) for row in floats]
+    states = [peer_states(*row) for row in readings]
+    singles = [row[None] for row in twists]
+    pairs = [(s[None], a[None]) for s, a in turned]
+    held, out, twist, residual = HELD[None], np.empty((2, 1, 4)), np.empty((1, 3)), np.empty(1)
+
+    def kernel_inverse() -> None:
+        speeds_out, angles_out = out
+        for row in singles:
+            fill_targets(DRIVE.positions, row, held, speeds_out, angles_out)
+
+    def kernel_forward() -> None:
+        for s, a in pairs:
+            fill_motion(DRIVE.positions, DRIVE.solver, s, a, twist, residual)
+
+    return {
+        "wpimath inverse, speeds ready": lambda: [PEER.toSwerveModuleStates(c) for c in chassis],
+        "wpimath inverse, floats to floats": lambda: [peer_inverse(*row) for row in floats],
+        "swerve.module_targets, batch": lambda: swerve.module_targets(DRIVE, twists, HELD),
+        "fill_targets, one row": kernel_inverse,
+        "swerve.module_targets, one row": lambda: [
+            swerve.module_targets(DRIVE, row, HELD) for row in rows
+        ],
+        "wpimath forward, states ready": lambda: [PEER.toChassisSpeeds(s) for s in states],
+        "wpimath forward, floats to floats": lambda: [peer_forward(*row) for row in readings],
+        "swerve.body_motion, batch": lambda: swerve.body_motion(DRIVE, speeds, angles),
+        "fill_motion, one row": kernel_forward,
+        "swerve.body_motion, one row": lambda: [swerve.body_motion(DRIVE, s, a) for s, a in turned],
+    }
+
+
+def main() -> None:
+    """Print a time per row for each contender, then the six ratios that matter."""
+    twists = np.random.default_rng(1).uniform(-4.0, 4.0, (ROWS, 3))
+    targets = swerve.module_targets(DRIVE, twists, HELD)
+    speeds = targets.speeds + np.random.default_rng(2).normal(0.0, 0.2, targets.speeds.shape)
+    assert_equal_results(twists, targets, speeds)
+    times = medians(contenders(twists, targets, speeds))
+    print(f"Swerve kinematics, {ROWS} rows, median of {REPEATS} repeats, results equal to 1e-9\n")
+    for name, seconds in times.items():
+        print(f"  {name:36s} {seconds * 1e9:8.0f} ns a row")
+    for way, ready, kernel, door, wanted in (
+        ("inverse", "speeds ready", "fill_targets", "module_targets", 15.0),
+        ("forward", "states ready", "fill_motion", "body_motion", 4.5),
+    ):
+        bare, whole = times[f"wpimath {way}, {ready}"], times[f"wpimath {way}, floats to floats"]
+        batch = bare / times[f"swerve.{door}, batch"]
+        one, call = times[f"{kernel}, one row"] / bare, times[f"swerve.{door}, one row"] / whole
+        print(
+            f"\n  {way}: batch, times faster than a loop         {batch:6.1f}   wanted >= {wanted}"
+        )
+        print(f"  {way}: kernel, share of wpimath's bare call    {one:6.2f}   wanted <= 1")
+        print(f"  {way}: checked call, share of floats to floats {call:6.2f}   wanted <= 3")
+
+
+if __name__ == "__main__":
+    main()
