@@ -1,4 +1,4 @@
-"""Angles."""
+"""Angles: one direction, one number in [-pi, pi)."""
 
 from __future__ import annotations
 
