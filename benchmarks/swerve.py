@@ -74,39 +74,49 @@ def assert_equal_results(
         np.testing.assert_allclose(back, motion.twist[k], rtol=0.0, atol=1e-9)
 
 
-def contenders(twists: np.ndarray, targets: swerve.ModuleTargets, speeds: np.ndarray) -> dict:
-    """Every one goes once through the same rows, alone or in a plain loop."""
+def each(call: Callable[..., object], rows: list[tuple]) -> Callable[[], None]:
+    """A loop that calls for every row and drops the results."""
+
+    def loop() -> None:
+        for row in rows:
+            call(*row)
+
+    return loop
+
+
+def contenders(
+    twists: np.ndarray, targets: swerve.ModuleTargets, speeds: np.ndarray
+) -> dict[str, Callable[[], object]]:
+    """Every one goes once through the same rows.
+
+    A batch returns all its results, so the loop beside it keeps all of its own; single calls
+    drop theirs.
+    """
     angles = targets.angles
-    rows, turned = list(twists), list(zip(speeds, angles, strict=True))
-    floats, readings = twists.tolist(), list(zip(speeds.tolist(), angles.tolist(), strict=True))
-    chassis = [ChassisSpeeds(*row) for row in floats]
-    states = [peer_states(*row) for row in readings]
-    singles = [row[None] for row in twists]
-    pairs = [(s[None], a[None]) for s, a in turned]
-    held, out, twist, residual = HELD[None], np.empty((2, 1, 4)), np.empty((1, 3)), np.empty(1)
-
-    def kernel_inverse() -> None:
-        speeds_out, angles_out = out
-        for row in singles:
-            fill_targets(DRIVE.positions, row, held, speeds_out, angles_out)
-
-    def kernel_forward() -> None:
-        for s, a in pairs:
-            fill_motion(DRIVE.positions, DRIVE.solver, s, a, twist, residual)
-
+    chassis = [ChassisSpeeds(*row) for row in twists.tolist()]
+    states = [peer_states(*row) for row in zip(speeds.tolist(), angles.tolist(), strict=True)]
+    places, solver, out = DRIVE.positions, DRIVE.solver, np.empty((2, 1, 4))
+    twist, residual = np.empty((1, 3)), np.empty(1)
+    inverse_rows = [(places, row[None], HELD[None], *out) for row in twists]
+    pairs = list(zip(speeds, angles, strict=True))
+    forward_rows = [(places, solver, s[None], a[None], twist, residual) for s, a in pairs]
     return {
-        "wpimath inverse, speeds ready": lambda: [PEER.toSwerveModuleStates(c) for c in chassis],
-        "wpimath inverse, floats to floats": lambda: [peer_inverse(*row) for row in floats],
+        "wpimath inverse, loop": lambda: [PEER.toSwerveModuleStates(c) for c in chassis],
+        "wpimath inverse, bare call": each(PEER.toSwerveModuleStates, [(c,) for c in chassis]),
+        "wpimath inverse, floats to floats": each(peer_inverse, twists.tolist()),
         "swerve.module_targets, batch": lambda: swerve.module_targets(DRIVE, twists, HELD),
-        "fill_targets, one row": kernel_inverse,
-        "swerve.module_targets, one row": lambda: [
-            swerve.module_targets(DRIVE, row, HELD) for row in rows
-        ],
-        "wpimath forward, states ready": lambda: [PEER.toChassisSpeeds(s) for s in states],
-        "wpimath forward, floats to floats": lambda: [peer_forward(*row) for row in readings],
+        "fill_targets, one row": each(fill_targets, inverse_rows),
+        "swerve.module_targets, one row": each(
+            swerve.module_targets, [(DRIVE, row, HELD) for row in twists]
+        ),
+        "wpimath forward, loop": lambda: [PEER.toChassisSpeeds(s) for s in states],
+        "wpimath forward, bare call": each(PEER.toChassisSpeeds, [(s,) for s in states]),
+        "wpimath forward, floats to floats": each(
+            peer_forward, list(zip(speeds.tolist(), angles.tolist(), strict=True))
+        ),
         "swerve.body_motion, batch": lambda: swerve.body_motion(DRIVE, speeds, angles),
-        "fill_motion, one row": kernel_forward,
-        "swerve.body_motion, one row": lambda: [swerve.body_motion(DRIVE, s, a) for s, a in turned],
+        "fill_motion, one row": each(fill_motion, forward_rows),
+        "swerve.body_motion, one row": each(swerve.body_motion, [(DRIVE, s, a) for s, a in pairs]),
     }
 
 
@@ -120,12 +130,12 @@ def main() -> None:
     print(f"Swerve kinematics, {ROWS} rows, median of {REPEATS} repeats, results equal to 1e-9\n")
     for name, seconds in times.items():
         print(f"  {name:36s} {seconds * 1e9:8.0f} ns a row")
-    for way, ready, kernel, door, wanted in (
-        ("inverse", "speeds ready", "fill_targets", "module_targets", 15.0),
-        ("forward", "states ready", "fill_motion", "body_motion", 4.5),
+    for way, kernel, door, wanted in (
+        ("inverse", "fill_targets", "module_targets", 15.0),
+        ("forward", "fill_motion", "body_motion", 4.5),
     ):
-        bare, whole = times[f"wpimath {way}, {ready}"], times[f"wpimath {way}, floats to floats"]
-        batch = bare / times[f"swerve.{door}, batch"]
+        bare, whole = times[f"wpimath {way}, bare call"], times[f"wpimath {way}, floats to floats"]
+        batch = times[f"wpimath {way}, loop"] / times[f"swerve.{door}, batch"]
         one, call = times[f"{kernel}, one row"] / bare, times[f"swerve.{door}, one row"] / whole
         print(
             f"\n  {way}: batch, times faster than a loop         {batch:6.1f}   wanted >= {wanted}"

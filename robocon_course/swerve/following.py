@@ -181,7 +181,7 @@ def follow(
     Notes
     -----
     Siradjuddin 2022, equation 27, with 17 to 22. Within a step the feed-forward does not change:
-    what the target's acceleration a does meanwhile leaves an error of about a dt / (2 gain).
+    what the target's acceleration a does meanwhile leaves an error of up to a dt / (2 gain).
 
     Examples
     --------
