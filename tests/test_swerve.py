@@ -293,6 +293,63 @@ def test_a_drive_keeps_its_own_copy_of_the_positions():
     assert drive.matrix[4:].tolist() == [[0.0, 1.0, x] for x in MODULES[:, 0]]
 
 
+# --- which wheel slips ---------------------------------------------------------------------------
+
+
+def slip_log(module, rows, by, *, noise=0.0, n=300):
+    """Speeds and angles of a smooth drive, one wheel too fast in some rows."""
+    rng, t = np.random.default_rng(9), np.linspace(0.0, 6.0, n)
+    drive = np.column_stack([np.sin(t), 0.5 * np.cos(2 * t), np.sin(0.7 * t)])
+    speeds, angles = swerve.module_targets(MODULES, drive, UNTURNED)
+    speeds[rows, module] += by
+    return speeds + rng.normal(0, noise, speeds.shape), angles + rng.normal(0, noise, angles.shape)
+
+
+def naive_suspect(positions, speeds, angles):
+    """The wheel that, left to turn as it likes, lets the others agree best; and its slip."""
+    lines = np.exp(1j * angles)
+    matrix = np.vstack([[[1.0, 0.0, -y], [0.0, 1.0, x]] for x, y in positions])
+    components = np.ravel([[v.real, v.imag] for v in speeds * lines])
+    best = (inf, None, None)
+    for i, line in enumerate(lines):
+        free = np.zeros(len(components))
+        free[2 * i : 2 * i + 2] = line.real, line.imag
+        wider = np.column_stack([matrix, free])
+        found = np.linalg.lstsq(wider, components)[0]
+        best = min(best, (np.sum((wider @ found - components) ** 2), i, found[3]))
+    return best[1:]
+
+
+@pytest.mark.parametrize("module", range(4))
+@pytest.mark.parametrize("by", [0.4, -0.4])
+def test_find_slip_names_the_wheel_and_the_rows(module, by):
+    slipping = slice(100, 180)
+    expected = np.full(300, swerve.NO_SLIP)
+    expected[slipping] = module
+    assert swerve.find_slip(MODULES, *slip_log(module, slipping, by)).tolist() == expected.tolist()
+    noisy = swerve.find_slip(MODULES, *slip_log(module, slipping, by, noise=0.02))
+    assert (noisy != expected).mean() < 0.02  # a median over seven rows is late by one or two
+
+
+def test_find_slip_blames_nobody_while_all_wheels_roll():
+    found = swerve.find_slip(MODULES, *slip_log(0, slice(0, 0), 0.0, noise=0.02))
+    assert (found == swerve.NO_SLIP).all()
+
+
+def test_find_slip_agrees_with_freeing_one_wheel_after_the_other():
+    speeds, angles = slip_log(2, slice(0, 300), 0.5, noise=0.05)
+    for k in range(0, 300, 20):
+        suspect, slip = naive_suspect(MODULES, speeds[k], angles[k])
+        still = np.tile(speeds[k], (9, 1)), np.tile(angles[k], (9, 1))  # nothing to smooth
+        found = swerve.find_slip(MODULES, *still)
+        assert found.tolist() == [suspect if abs(slip) > 0.1 else swerve.NO_SLIP] * 9
+
+
+def test_find_slip_takes_short_logs_and_an_empty_one():
+    assert swerve.find_slip(MODULES, np.ones((1, 4)), np.zeros((1, 4))).tolist() == [-1]
+    assert swerve.find_slip(MODULES, np.empty((0, 4)), np.empty((0, 4))).tolist() == []
+
+
 # --- kinder commands -----------------------------------------------------------------------------
 
 
@@ -745,6 +802,8 @@ ONE = targets_of([1.0, 1.0, 1.0, 1.0], UNTURNED)
             lambda: swerve.body_twist(MODULES, np.zeros(4), np.zeros((1, 4))),
             "angles: expected shape",
         ),
+        (lambda: swerve.find_slip(MODULES[:2], np.ones((5, 2)), np.ones((5, 2))), "three modules"),
+        (lambda: swerve.find_slip(MODULES, UNTURNED, UNTURNED), r"speeds: expected shape \(n, 4\)"),
         (lambda: swerve.shortest_turn(ONE, np.zeros(3)), r"angles: expected shape \(4,\)"),
         (
             lambda: swerve.shortest_turn(ONE, np.zeros((2, 4))),

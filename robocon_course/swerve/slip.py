@@ -66,6 +66,5 @@ def find_slip(drive: Drive, speeds: ArrayLike, angles: ArrayLike) -> NDArray[np.
 def _smoothed(values: FloatArray) -> FloatArray:
     """Medians over a window around each row; a median keeps the edges of a step where they are."""
     half = SLIP_WINDOW // 2
-    padded = np.pad(values, ((half, half), (0, 0)), mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, SLIP_WINDOW, axis=0)
-    return np.median(windows, axis=-1)
+    rows = np.arange(len(values))[:, None] + np.arange(-half, half + 1)
+    return np.median(values[rows.clip(0, len(values) - 1)], axis=1)
