@@ -312,8 +312,8 @@ def test_integrate_agrees_with_a_peer():
 def test_integrate_returns_to_the_start_after_full_circles(steps, forward, left, turns):
     deltas = np.tile([forward, left, turns * TURN / steps], (steps, 1))
     poses = odometry.integrate(deltas, [0.3, -0.4, 0.5])
-    # 500 steps of up to 3 m, each good to 1e-16 of its length and of its turn
-    assert poses[-1] == pytest.approx([0.3, -0.4, 0.5 + turns * TURN], abs=1e-11)
+    # 500 additions to a heading of up to 19 rad, 2e-15 each, on a circle of up to 225 m: 2e-10 m
+    assert poses[-1] == pytest.approx([0.3, -0.4, 0.5 + turns * TURN], abs=1e-9)
 
 
 def test_arcs_are_exact_where_euler_and_midpoint_are_not():
@@ -659,17 +659,28 @@ def after(seconds: float, gyro: float, wheel: float, state=HeadingState(), **gai
 
 
 def test_without_bias_and_slip_the_heading_is_the_turn():
-    state = after(2.0, 0.5, 0.5)
-    assert state == pytest.approx((1.0, 0.0, 0.0, 0), abs=1e-12)
+    assert after(2.0, 0.5, 0.5) == pytest.approx((1.0, 0.0, 0.0, 0.0, 0), abs=1e-12)
 
 
-def test_at_rest_the_bias_is_learnt_with_the_time_constant():
-    state = after(3.2, 0.01, 0.0, still=1.0, rolling=inf)
-    # From 0.2 s on, one Euler step of 1/100 each: (1 - 0.01)^300 = e^-3 to 1.5 %
-    assert state.bias == pytest.approx(0.01 * (1.0 - exp(-3.0)), rel=2e-3)
-    # The heading moved by the bias for 0.2 s and then by what was not yet known, for 1 s in all.
-    assert state.yaw == pytest.approx(0.01 * (0.2 + 1.0 - exp(-3.0)), rel=0.02)
-    assert state.rest == pytest.approx(3.2) and state.rejected == 0
+def test_at_rest_the_bias_is_the_mean_so_far_and_the_heading_stays():
+    state = HeadingState()
+    readings = np.random.default_rng(5).normal(0.01, 0.002, 300)
+    for reading in readings.tolist():
+        state = odometry.fuse_heading(state, reading, 0.0, DT)
+    assert state.bias == pytest.approx(readings.mean(), rel=1e-12)
+    assert state.yaw == 0.0 and state.taught == pytest.approx(3.0) and state.rejected == 0
+
+
+def test_what_was_taught_long_enough_fades_with_the_time_constant():
+    state = after(2.0, 0.03, 0.0, HeadingState(bias=0.01, taught=2.0), still=2.0)
+    # Steps of 1/200: (1 - 1/200)^200 = e^-1 to a quarter of a per cent
+    assert state.bias == pytest.approx(0.03 - 0.02 * exp(-1.0), rel=1e-3)
+    assert state.taught == 2.0
+
+
+def test_a_bias_brought_along_counts_as_long_as_its_log():
+    state = after(5.0, 0.03, 0.0, HeadingState(bias=0.01, taught=15.0))
+    assert state.bias == pytest.approx((15.0 * 0.01 + 5.0 * 0.03) / 20.0)
 
 
 def test_rolling_wheels_teach_slowly():
@@ -681,9 +692,16 @@ def test_rolling_wheels_teach_slowly():
 def test_a_short_stop_is_no_rest():
     state = HeadingState(bias=0.01)
     for _ in range(20):
-        state = after(0.1, 0.02, 0.0, state, rolling=inf)
         state = after(0.01, 0.52, 0.5, state, rolling=inf)
-    assert state.bias == 0.01
+        state = after(0.1, 0.02, 0.0, state, rolling=inf)
+    assert state.bias == 0.01 and state.taught == 0.0
+
+
+def test_after_a_stop_long_enough_it_stands():
+    state = after(0.01, 0.5, 0.5)
+    assert after(0.1, 0.0, 0.0, state).taught == 0.0
+    # Twenty samples make 0.2 s, give or take the last bit.
+    assert after(1.2, 0.01, 0.0, state).taught == pytest.approx(1.0, abs=0.02)
 
 
 def test_slip_turns_the_wheels_and_not_the_heading():
@@ -710,8 +728,10 @@ def test_each_of_the_two_bridges_the_other(hole):
 
 
 def test_a_gap_settles_the_bias_and_does_not_shoot_beyond():
-    state = odometry.fuse_heading(HeadingState(rest=1.0), 0.01, 0.0, 60.0)
-    assert state.bias == 0.01 and state.yaw == 0.0
+    standing = odometry.fuse_heading(HeadingState(), 0.01, 0.0, 60.0)
+    assert standing.bias == 0.01 and standing.yaw == 0.0
+    rolling = odometry.fuse_heading(HeadingState(), 0.51, 0.5, 60.0, HeadingGains(rolling=1.0))
+    assert rolling.bias == pytest.approx(0.01) and rolling.yaw == pytest.approx(30.0)
 
 
 def test_a_log_is_row_by_row_the_same_as_the_steps():
@@ -720,7 +740,7 @@ def test_a_log_is_row_by_row_the_same_as_the_steps():
     wheel[100:200] = 0.0
     gyro[50], wheel[60] = nan, nan
     dt = rng.uniform(0.005, 0.02, 500)
-    start = HeadingState(0.3, 0.002, 0.1, 7)
+    start = HeadingState(0.3, 0.002, 0.1, 2.0, 7)
     log = odometry.estimate_heading(gyro, wheel, dt, start=start)
     states = [start]
     for row in zip(gyro.tolist(), wheel.tolist(), dt.tolist(), strict=True):
@@ -733,9 +753,9 @@ def test_a_log_is_row_by_row_the_same_as_the_steps():
 
 
 def test_a_step_leaves_the_state_before_as_it_was():
-    state = HeadingState(0.1, 0.2, 0.3, 4)
+    state = HeadingState(0.1, 0.2, 0.3, 0.4, 5)
     odometry.fuse_heading(state, 1.0, 1.0, 0.01)
-    assert state == (0.1, 0.2, 0.3, 4)
+    assert state == (0.1, 0.2, 0.3, 0.4, 5)
 
 
 @pytest.mark.parametrize("dt", [0.0, -0.01, inf, nan])

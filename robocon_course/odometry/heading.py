@@ -5,19 +5,20 @@ integrated, makes its heading run away. The wheels do not run away at rest, but 
 sizes are never quite right. So the gyroscope turns the heading, and the wheels teach its bias:
 
     b' = (gyro - b - wheels) / τ        unless they disagree by more than slip explains
-    θ' = gyro - b
+    θ' = gyro - b                       and wheels, where they stand
 
 A complementary filter: of the rate it keeps what the gyroscope says faster than τ and what the
-wheels say slower than that. τ is chosen by what the wheels are worth:
+wheels say slower. The best τ is what one second of the teacher scatters, beside what the bias
+wanders in one second, both per root of a second, as independent errors add up:
 
-- They have not turned the robot for a while: it stands, or goes dead straight. Their rate 0 is
-  true to one count over that while, and τ is short: 1 s, some 200 samples, leave a fifteenth of the
-  gyroscope's noise in the bias (zero-velocity update).
-- They roll: wheels of which one is 0.1 % too large at 1 m/s lie by 0.1 deg/s, five times as much as
-  the bias of a good gyroscope. Over τ such errors of many legs average out, so τ is long.
+- Standing, the wheels' rate 0 is exact and only the gyroscope's noise scatters: 0.0027 deg/sqrt(s)
+  over a walk of 0.0001 deg/s/sqrt(s) gives 27 s. What was taught before τ has passed is a plain
+  mean: the first second at rest tells nearly all (zero-velocity update).
+- Rolling, one wheel 0.1 % larger than the other makes 0.1 deg/s at 1 m/s, for legs of two seconds:
+  0.15 deg/sqrt(s), so 1500 s. It matters to a robot that never stops.
 
-After the time T since the bias was learnt to b ± s the heading is off by s T: 0.002 deg/s after
-three minutes without a stop is 0.4 deg.
+A bias known to s leaves the heading off by s T after the time T: three seconds at rest know it to
+0.0016 deg/s, and after three minutes that is 0.3 deg.
 
 Source: R. Mahony, T. Hamel, J.-M. Pflimlin, Nonlinear Complementary Filters on the Special
 Orthogonal Group, IEEE Transactions on Automatic Control 53(5), 2008, section II (with one axis:
@@ -43,9 +44,9 @@ class HeadingGains(NamedTuple):
     Attributes
     ----------
     still : float  [s]
-        Time constant while the wheels have not turned the robot for ``rest``.
+        Time constant while the robot stands: the wheels have not turned it for ``rest``.
     rolling : float  [s]
-        Time constant otherwise; infinity: they teach only while still.
+        Time constant otherwise; infinity: they teach only while it stands.
     slip : float  [rad/s]
         A larger disagreement is slip, or an encoder that is lost, and teaches nothing. Two counts
         in 10 ms make 1.2 deg/s on the robot, a fresh gyroscope 0.5 deg/s.
@@ -53,8 +54,8 @@ class HeadingGains(NamedTuple):
         How long the wheels' rate must have been 0.
     """
 
-    still: float = 1.0
-    rolling: float = 300.0
+    still: float = 30.0
+    rolling: float = 1000.0
     slip: float = radians(3.0)
     rest: float = 0.2
 
@@ -69,14 +70,18 @@ class HeadingState(NamedTuple):
     bias : float  [rad/s]
         What the gyroscope reads while nothing turns.
     rest : float  [s]
-        Time since the wheels last turned the robot.
+        Time since the wheels last turned the robot; infinity: it has not moved yet.
+    taught : float  [s]
+        For how long the bias was learnt at rest, up to the time constant. Whoever brings a bias
+        from `calibrate_gyro` brings the length of its log.
     rejected : int
         Samples in which one of the two could not be used: slip, or not finite.
     """
 
     yaw: float = 0.0
     bias: float = 0.0
-    rest: float = 0.0
+    rest: float = inf
+    taught: float = 0.0
     rejected: int = 0
 
 
@@ -103,13 +108,13 @@ NO_RATE = 1e-6  # rad/s
 
 
 @njit(cache=True)
-def heading_update(yaw, bias, rest, gyro, wheel, dt, still, rolling, slip, least_rest):
-    """One step of the filter: (yaw, bias, rest, was everything used?). It trusts its input.
+def heading_update(memory, gyro, wheel, dt, still, rolling, slip, least_rest):
+    """One step of the filter, in place; was everything used? It trusts its input.
 
     Parameters
     ----------
-    yaw, bias, rest : float  [rad, rad/s, s]
-        As in `HeadingState`.
+    memory : ndarray, shape (4,)  [rad, rad/s, s, s]
+        Yaw, bias, rest and taught, as in `HeadingState`.
     gyro, wheel : float  [rad/s]
         Rates; NaN or infinity where there is none.
     dt : float  [s]
@@ -118,29 +123,34 @@ def heading_update(yaw, bias, rest, gyro, wheel, dt, still, rolling, slip, least
 
     Returns
     -------
-    tuple of (float, float, float, bool)
+    bool
     """
-    if not isfinite(wheel):
-        return (yaw + (gyro - bias) * dt if isfinite(gyro) else yaw), bias, 0.0, False
+    yaw, bias, rest, taught = memory
     rest = rest + dt if abs(wheel) < NO_RATE else 0.0
-    if not isfinite(gyro):
-        return yaw + wheel * dt, bias, rest, False
     error = gyro - bias - wheel
-    used = abs(error) <= slip
-    if used:
-        # A sample after a gap may at most settle the bias.
-        bias += error * min(1.0, dt / (still if rest >= least_rest else rolling))
-    return yaw + (gyro - bias) * dt, bias, rest, used
+    rate = gyro - bias
+    used = abs(error) <= slip  # NaN is not
+    if used and rest >= least_rest:
+        taught = min(taught + dt, max(still, dt))
+        bias += error * dt / taught
+        rate = wheel
+    elif used:
+        bias += error * min(1.0, dt / rolling)  # after a gap one sample may at most settle it
+        rate = gyro - bias
+    elif not isfinite(gyro):
+        rate = wheel if isfinite(wheel) else 0.0
+    memory[0], memory[1], memory[2], memory[3] = yaw + rate * dt, bias, rest, taught
+    return used
 
 
 @njit(cache=True)
-def heading_run(start, gyro, wheel, dt, gains, yaw, bias):
+def heading_run(memory, gyro, wheel, dt, gains, yaw, bias):
     """`heading_update` over all rows into ``yaw`` and ``bias``; how many were not fully used.
 
     Parameters
     ----------
-    start : tuple of 3 floats  [rad, rad/s, s]
-        Yaw, bias and rest before the first row.
+    memory : ndarray, shape (4,)
+        As in `heading_update`; changed in place.
     gyro, wheel : ndarray, shape (n,)  [rad/s]
     dt : ndarray, shape (n,)  [s]
     gains : tuple of 4 floats
@@ -152,15 +162,12 @@ def heading_run(start, gyro, wheel, dt, gains, yaw, bias):
     -------
     int
     """
-    now, drift, rest = start
     still, rolling, slip, least_rest = gains
-    yaw[0], bias[0] = now, drift
+    yaw[0], bias[0] = memory[0], memory[1]
     rejected = 0
     for k in range(len(gyro)):
-        now, drift, rest, used = heading_update(
-            now, drift, rest, gyro[k], wheel[k], dt[k], still, rolling, slip, least_rest
-        )
-        yaw[k + 1], bias[k + 1] = now, drift
+        used = heading_update(memory, gyro[k], wheel[k], dt[k], still, rolling, slip, least_rest)
+        yaw[k + 1], bias[k + 1] = memory[0], memory[1]
         rejected += not used
     return rejected
 
@@ -198,20 +205,19 @@ def fuse_heading(
 
     Examples
     --------
-    At rest the reading is all bias. After five seconds that is known, and the heading stays.
+    At rest the reading is all bias. Then a second of turning, by 0.5 rad/s.
 
     >>> state = HeadingState()
-    >>> for _ in range(500):
-    ...     state = fuse_heading(state, 0.01, 0.0, 0.01)
-    >>> round(state.bias, 4), round(state.yaw, 4)
-    (0.0099, 0.0117)
+    >>> for gyro, wheel in [(0.01, 0.0)] * 100 + [(0.51, 0.5)] * 100:
+    ...     state = fuse_heading(state, gyro, wheel, 0.01)
+    >>> round(state.bias, 6), round(state.yaw, 6)
+    (0.01, 0.5)
     """
     if not 0.0 < dt < inf:
         raise ValueError(f"dt: must be a positive number of seconds, got {dt!r}")
-    yaw, bias, rest, used = heading_update(
-        *_floats(state[:3]), *_floats((gyro_rate, wheel_rate, dt)), *_checked(gains)
-    )
-    return HeadingState(yaw, bias, rest, state.rejected + (not used))
+    memory = _memory(state)
+    used = heading_update(memory, *_floats((gyro_rate, wheel_rate, dt)), *_checked(gains))
+    return HeadingState(*memory.tolist(), state.rejected + (not used))
 
 
 def estimate_heading(
@@ -251,7 +257,7 @@ def estimate_heading(
     if not (steps > 0.0).all():
         raise ValueError(f"dt: must be positive numbers of seconds, got {steps.min():g}")
     yaw, bias = np.empty((2, n + 1))
-    rejected = heading_run(_floats(start[:3]), gyro, wheel, steps, _checked(gains), yaw, bias)
+    rejected = heading_run(_memory(start), gyro, wheel, steps, _checked(gains), yaw, bias)
     return HeadingLog(yaw, bias, start.rejected + rejected)
 
 
@@ -262,6 +268,10 @@ def _checked(gains: HeadingGains) -> tuple[float, float, float, float]:
             f"gains: time constants must be positive, slip and rest not negative, got {gains}"
         )
     return _floats(gains)
+
+
+def _memory(state: HeadingState) -> FloatArray:
+    return np.array(_floats(state[:4]))
 
 
 def _floats(values) -> tuple[float, ...]:
