@@ -76,7 +76,7 @@ def circle(t: ArrayLike, *, period: float = 1.0) -> Target:
     ----------
     t : array_like, shape (...)  [s]
     period : float  [s]
-        Of one round. The print has 1 s, which is 12.6 m/s; wheels of 3.2 m/s need 5 s.
+        Of one round. The print has 1 s, 12.6 m/s; wheels of 3.2 m/s need 5 s.
 
     Returns
     -------
@@ -109,7 +109,7 @@ def figure_eight(t: ArrayLike, *, period: float = 1.0) -> Target:
     ----------
     t : array_like, shape (...)  [s]
     period : float  [s]
-        Of both loops together. The print has 1 s, which is up to 9.8 m/s; wheels of 3.2 m/s need 5 s.
+        Of both loops together. The print has 1 s, up to 9.8 m/s; wheels of 3.2 m/s need 5 s.
 
     Returns
     -------
