@@ -3,14 +3,14 @@
 ``canvas`` holds the style and what shows a figure; ``plots``, ``motion`` and ``runs`` the plots
 of the chapters, ``field_picture`` the field with robots (``body``) and paths on it. ``comparison``
 is the picture of a wrong answer, ``pictures`` the three big drawings, ``widgets`` the sliders, and
-``drive`` a robot under one's own hands.
+``driving`` a robot under one's own hands.
 """
 
 from robocon_course.view.animation import animate
 from robocon_course.view.body import RobotPicture
 from robocon_course.view.canvas import figure, png, show
 from robocon_course.view.comparison import plot_counter_example
-from robocon_course.view.drive import drive
+from robocon_course.view.driving import drive
 from robocon_course.view.field_picture import OUR_HALF, WHOLE_FIELD, draw_field
 from robocon_course.view.motion import plot_modules, plot_paths, plot_pose_errors, plot_tracking
 from robocon_course.view.pictures import draw_plan, draw_robot, draw_system

@@ -1,4 +1,4 @@
-"""The robot as a handful of polygons on the map; ``field_picture`` and ``drive`` paint them.
+"""The robot as a handful of polygons on the map; ``field_picture`` and ``live`` paint them.
 
 What the robot looks like stands here once. Every painter, matplotlib or pixels, gets the same
 polygons in metres.

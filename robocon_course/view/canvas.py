@@ -185,8 +185,8 @@ def publish(
         data, metadata = bundle(figure.still, twin, figure.gif)
     else:
         data, metadata = bundle(png(figure), twin)
-    if pyplot := sys.modules.get("matplotlib.pyplot"):
-        pyplot.close(figure)  # a student's own pyplot figure would come a second time otherwise
+        if pyplot := sys.modules.get("matplotlib.pyplot"):
+            pyplot.close(figure)  # a student's own pyplot figure would come a second time otherwise
     if in_ipython():
         from IPython.display import publish_display_data
 
