@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robocon_course import field, geometry, odometry
+from robocon_course import field, geometry, odometry, raycast
 from robocon_course.robot import (
     DEAD_WHEELS,
     LIDARS,
@@ -22,7 +22,15 @@ from robocon_course.robot import (
     decode_lidar,
     encode_lidar,
 )
-from robocon_course.simulator import IDEAL, RobotModel, SensorModel, Simulator, machine, sensors
+from robocon_course.simulator import (
+    IDEAL,
+    RobotModel,
+    SensorModel,
+    Simulator,
+    lidar,
+    machine,
+    sensors,
+)
 
 OPEN = (3.0, 1.6, 0.0)
 AHEAD = np.zeros(4)
@@ -486,6 +494,22 @@ def test_a_spot_on_two_surfaces_reads_between_them():
     near, far = distances[0], distances[-1]
     assert far == pytest.approx(2.19, abs=0.02) and near < 1.9
     assert any(near + 0.05 < d < far - 0.05 for d in distances)
+
+
+def test_long_steps_over_blocks_find_what_short_steps_find():
+    world, no_cells = lidar.game_field(), np.empty((0, 2), np.int64)
+    rng = np.random.default_rng(0)
+    for _ in range(300):
+        x, y = rng.uniform(0.3, 5.8), rng.uniform(0.3, 11.7)
+        z = float(field.floor_height(x, y)) + 0.05
+        angle, climb = rng.uniform(-pi, pi), rng.normal(0.0, 0.03)
+        x, y = (x - world.x) / 0.01, (y - world.y) / 0.01
+        found, _ = lidar._meet(world, x, y, z, angle, climb, no_cells)
+        way, _ = raycast.walk(
+            world.height, x, y, z, np.cos(angle), np.sin(angle), climb * 0.01, 1200.0, no_cells
+        )
+        wanted = way * 0.01 * sqrt(1.0 + climb**2) if way < 1200.0 else 0.0
+        assert found == pytest.approx(wanted, abs=1e-9)
 
 
 def test_light_returns_with_the_square_of_the_distance():

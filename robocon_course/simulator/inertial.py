@@ -171,7 +171,7 @@ def read_motion(quaternions, accelerations, dt, table, noise, out):
 
 
 @njit(cache=True)
-def read_track(track, tick, every, table, noise, memory, out):
+def read_track(track, tick, every, table, noise, memory, walk, out):
     """The samples of an IMU on a robot whose physics left a track.
 
     Parameters
@@ -184,12 +184,14 @@ def read_track(track, tick, every, table, noise, memory, out):
         Ticks between samples.
     table : ndarray, shape (6, 6)
     noise : ndarray, shape (n, NOISES)
-    memory : ndarray, shape (11,)
-        What the sample before leaves: attitude (4), velocity (3), walk (3), and the time between
-        samples [s]; changed in place.
+    memory : ndarray, shape (8,)
+        What the sample before leaves: attitude (4), velocity (3), and the time between samples
+        [s]; changed in place.
+    walk : ndarray, shape (3,)  [rad/s]
+        How far the gyroscope's bias has wandered; changed in place.
     out : ndarray, shape (n, 6)
     """
-    dt = memory[10]
+    dt = memory[7]
     now = np.empty(4)
     for k in range(len(out)):
         row = track[(tick + k * every) % len(track)]
@@ -198,8 +200,8 @@ def read_track(track, tick, every, table, noise, memory, out):
         vx, vy, vz = row[3], row[4], row[5]
         ax, ay, az = (vx - memory[4]) / dt, (vy - memory[5]) / dt, (vz - memory[6]) / dt
         _specific_force(now, ax, ay, az, out[k])
-        _convert(out[k], table, memory[7:10], noise[k])
-        memory[:4] = now
+        _convert(out[k], table, walk, noise[k])
+        memory[0], memory[1], memory[2], memory[3] = now[0], now[1], now[2], now[3]
         memory[4], memory[5], memory[6] = vx, vy, vz
 
 

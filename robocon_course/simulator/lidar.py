@@ -16,6 +16,7 @@ seven points (the mean over a disc); the split into offset and noise is assumed.
 
 from __future__ import annotations
 
+from functools import cache
 from math import cos, floor, sin, sqrt
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ import numpy as np
 from numba import njit
 
 from robocon_course._arrays import FloatArray
+from robocon_course.field import ORIGIN, height_map
 from robocon_course.raycast import walk
 from robocon_course.robot import LIDAR_RANGE, SATURATED, WEAKEST
 
@@ -73,12 +75,38 @@ class Lidars(NamedTuple):
 
 
 class Surroundings(NamedTuple):
-    """What the light meets: heights (rows, cols) [m], corner x, y and size of a cell [m]."""
+    """What the light meets.
+
+    Attributes
+    ----------
+    height : ndarray, shape (rows, cols)  [m]
+        Of the highest thing in each cell.
+    blocks : ndarray, shape (rows / BLOCK, cols / BLOCK)  [m]
+        The highest of the cells in each block.
+    x, y : float  [m, map]
+        Outer corner of cell (0, 0).
+    resolution : float  [m]
+    """
 
     height: np.ndarray
+    blocks: np.ndarray
     x: float
     y: float
     resolution: float
+
+
+BLOCK = 10
+"""Cells on a side of a block."""
+
+
+@cache
+def game_field() -> Surroundings:
+    """The game field at 1 cm."""
+    resolution = 0.01
+    height = height_map(resolution)
+    rows, cols = height.shape
+    blocks = height.reshape(rows // BLOCK, BLOCK, cols // BLOCK, BLOCK).max(axis=(1, 3))
+    return Surroundings(height, blocks, *ORIGIN, resolution)
 
 
 @njit(cache=True)
@@ -143,10 +171,18 @@ def _meet(world, x, y, z, angle, climb, no_cells):
     """Distance [m] at which a ray meets a surface, and the cosine to its normal; 0 for nothing."""
     dx, dy, size = cos(angle), sin(angle), world.resolution
     reach = LIDAR_RANGE[1] / size
-    way, _ = walk(world.height, x, y, z, dx, dy, climb * size, reach, no_cells)
+    # In long steps to the first block that might be in the way, in short ones from there.
+    way, _ = walk(
+        world.blocks, x / BLOCK, y / BLOCK, z, dx, dy, climb * size * BLOCK, reach / BLOCK, no_cells
+    )
+    way *= BLOCK
+    if way < reach:
+        x, y, z = x + way * dx, y + way * dy, z + way * climb * size
+        rest, _ = walk(world.height, x, y, z, dx, dy, climb * size, reach - way, no_cells)
+        way, x, y = way + rest, x + rest * dx, y + rest * dy
     if way >= reach:
         return 0.0, 0.0
-    col, row = floor(x + (way + 1e-6) * dx), floor(y + (way + 1e-6) * dy)
+    col, row = floor(x + 1e-6 * dx), floor(y + 1e-6 * dy)  # behind the edge
     rows, cols = world.height.shape
     left, right = max(col - 1, 0), min(col + 1, cols - 1)
     below, above = max(row - 1, 0), min(row + 1, rows - 1)

@@ -82,7 +82,7 @@ class Simulator:
         self.sensors = sensors or SensorModel()
         self._body, self._world = self.model.body(), game_field()
         self._metres_per_tick = self.model.dead_wheels.metres_per_tick
-        self._light = lidar.Surroundings(field.height_map(), *field.ORIGIN, 0.01)
+        self._light = lidar.game_field()
         self._imu_every = ticks_between(self.sensors.imu_rate)
         self._imu_table = inertial.error_table(self.sensors.imu, self._imu_every * TICK)
         self._start = self._free_pose(start)
@@ -120,9 +120,9 @@ class Simulator:
         self._imu_noise = Noise(rngs[0], inertial.NOISES)
         self._lidar_noise = Noise(rngs[1], len(LIDARS))
         self._lidars = self._drawn_lidars(rngs[2])
-        self._imu_memory = np.zeros(11)
+        self._imu_memory, self._imu_walk = np.zeros(8), np.zeros(3)
         inertial.attitude(*self._track[0, [2, 6, 7]], self._imu_memory[:4])
-        self._imu_memory[10] = self._imu_every * TICK
+        self._imu_memory[7] = self._imu_every * TICK
         self._imu = np.empty((UNREAD, 6))
         self._unread = 0
 
@@ -312,6 +312,7 @@ class Simulator:
             self._imu_table,
             noise.window[row : row + count],
             self._imu_memory,
+            self._imu_walk,
             self._imu[self._unread : self._unread + count],
         )
         self._unread += count

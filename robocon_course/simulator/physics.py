@@ -139,21 +139,21 @@ def advance(state, command, body, world, h, tick, ticks, track):
     track : ndarray, shape (rows, TRACK)
         The newest rows, in turn.
     """
-    if ticks == 0:
-        _collide(state, body, world.boxes)
-        _stand(state, body, world.floor)
-    for k in range(ticks):
+    for k in range(max(ticks, 1)):
         before = (state.pose[0], state.pose[1], state.pose[2])
-        _drive_modules(state, command, body, h)
-        _grip(state, body, h)
-        state.pose[0] += h * state.velocity[0]
-        state.pose[1] += h * state.velocity[1]
-        state.pose[2] += h * state.velocity[2]
+        height = state.floor[2]
+        if ticks > 0:
+            _drive_modules(state, command, body, h)
+            vx, vy, omega = state.velocity[0], state.velocity[1], state.velocity[2]
+            _grip(state, body, h)
+            state.pose[0] += 0.5 * h * (vx + state.velocity[0])
+            state.pose[1] += 0.5 * h * (vy + state.velocity[1])
+            state.pose[2] += 0.5 * h * (omega + state.velocity[2])
         _collide(state, body, world.boxes)
         _roll(state, body, world.floor, before)
-        height = state.floor[2]
         _stand(state, body, world.floor)
-        state.velocity[3] = (state.floor[2] - height) / h
+        if ticks > 0:
+            state.velocity[3] = (state.floor[2] - height) / h
         note(state, track[(tick + k) % len(track)])
 
 
@@ -195,9 +195,9 @@ def _drive_modules(state, command, body, h):
 
 @njit
 def _grip(state, body, h):
-    """New velocity from the wheels' grip and the slope."""
+    """Velocity at the step's end, from the wheels' grip and the slope."""
     velocity, wheels = state.velocity, state.wheels
-    heading = state.pose[2] + 0.5 * h * velocity[2]  # halfway through the step
+    heading = state.pose[2] + h * velocity[2]  # at the step's end
     c, s = cos(heading), sin(heading)
     rise_x = c * state.floor[0] - s * state.floor[1]  # from robot to map axes
     rise_y = s * state.floor[0] + c * state.floor[1]
