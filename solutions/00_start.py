@@ -44,6 +44,7 @@ print(doctor.summary())
 # ABU Robocon 2024 is called *Harvest Day*. Two teams share a field of 12 m × 12 m.
 # Robot 2 is on its own: nobody steers it.
 # It starts at the bottom, climbs two ramps, and carries rice balls to five silos in the middle.
+# Dark edges are steps of 0.10 m: the robot cannot climb them, only the ramps lead up.
 # The match lasts three minutes.
 
 # %%
@@ -66,13 +67,13 @@ show(
 #
 # Four swerve modules drive it: each wheel has its own direction.
 # Three small wheels without a motor measure the way. A phone is the IMU.
-# Two LiDARs measure the distance to the fences, a camera sees balls and silos.
+# Four LiDARs, one to each side, measure the distance to the fences. A camera sees balls and silos.
 
 # %%
 show(
     pictures.draw_robot(),
     "The robot from above: 650 mm square, four swerve modules in the corners, three measuring "
-    "wheels (left, right, rear), a phone as IMU, two LiDARs, a camera and a gripper. "
+    "wheels (left, right, rear), a phone as IMU, four LiDARs, a camera and a gripper. "
     "x points forward, y to the left.",
 )
 

@@ -1,4 +1,4 @@
-"""What a student does, in a real browser: open a chapter, run it, move a slider, solve by typing.
+"""What a student does, in a real browser: open a chapter, run it, move a slider, solve, drive.
 
 Screenshots of the steps lie in test-artefacts/ afterwards, to be looked at.
 """
@@ -243,6 +243,65 @@ def test_an_exercise_is_solved_by_typing(chapter, workspace):
     photograph(chapter, "5-passed")
     assert "my_robot/imu.py" in verdict(check)
     assert BY_HAND[1] in (workspace / "my_robot" / "imu.py").read_text(encoding="utf-8")
+
+
+DRIVE = """{
+ "cells": [{"cell_type": "code", "id": "drive", "execution_count": null, "metadata": {},
+            "outputs": [], "source": "from robocon_course.view import drive\\ndrive()"}],
+ "metadata": {"kernelspec": {"display_name": "Python 3 (ipykernel)", "name": "python3"}},
+ "nbformat": 4, "nbformat_minor": 5
+}"""
+
+
+@pytest.fixture(scope="module")
+def wheel(page, address, workspace):
+    """A notebook of the student's own with the driving panel, its simulator started."""
+    (workspace / "drive.ipynb").write_text(DRIVE)
+    parts, page = urlsplit(address), page.context.new_page()
+    page.goto(f"http://{parts.netloc}/lab/tree/drive.ipynb?{parts.query}")
+    page.wait_for_selector(".jp-Notebook .jp-Cell")
+    page.wait_for_function("window.jupyterapp?.shell.currentWidget?.sessionContext")
+    page.evaluate(READY)
+    page.evaluate("() => { jupyterapp.commands.execute('notebook:run-all-cells') }")
+    page.wait_for_function(ALL_RUN)
+    still = page.locator(FIGURE)
+    still.wait_for()
+    assert "heading 0°" in still.get_attribute("alt")
+    page.locator("button.jupyter-button", has_text="Drive").click()
+    page.get_by_text("x 0.55 m, y 0.35 m").wait_for()
+    return page
+
+
+def pull(page, slider: int, share: float) -> None:
+    """Take the handle of a slider to a share of its bar."""
+    grip = page.locator(".noUi-handle").nth(slider).bounding_box()
+    bar = page.locator(".noUi-base").nth(slider).bounding_box()
+    middle = grip["y"] + grip["height"] / 2
+    page.mouse.move(grip["x"] + grip["width"] / 2, middle)
+    page.mouse.down()
+    page.mouse.move(bar["x"] + share * bar["width"], middle, steps=8)
+    page.mouse.up()
+
+
+def test_a_student_drives_the_robot_with_sliders_and_stops_it(wheel):
+    picture = wheel.locator("img.widget-image")
+    at_start, readout = (
+        picture.get_attribute("src"),
+        wheel.locator(".widget-html", has_text=" s: x"),
+    )
+    pull(wheel, 1, 0.75)  # vy: to the robot's left, towards ramp 1
+    wheel.wait_for_function(
+        "() => /y [1-9][.]/.test(document.querySelector('.jp-OutputArea').textContent)"
+    )
+    photograph(wheel, "6-driving")
+    assert picture.get_attribute("src") != at_start
+    wheel.locator("button.jupyter-button", has_text="Stop").click()
+    rest = ""
+    while rest != (rest := readout.text_content()):
+        wheel.wait_for_timeout(500)
+    photograph(wheel, "7-stopped")
+    assert 1.0 < float(re.search(r"y ([\d.]+) m", rest)[1]) < 12.0
+    assert wheel.locator(".widget-readout").all_text_contents() == ["0.00", "0.00", "0.00"]
 
 
 def test_nothing_is_fetched_from_the_internet(chapter, hosts):
