@@ -115,7 +115,7 @@ class Observation(NamedTuple):
     module_speeds : ndarray, shape (4,)  [m/s]
         How fast the drive wheels turn, times their radius; a slipping wheel turns too.
     module_angles : ndarray, shape (4,)  [rad, base]
-        Where the modules point, in [-pi, pi).
+        Where the modules point, from -pi to pi.
     battery : float  [V]
     """
 

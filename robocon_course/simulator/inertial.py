@@ -174,6 +174,9 @@ def read_motion(quaternions, accelerations, dt, table, noise, out):
 def read_track(track, tick, every, table, noise, memory, walk, out):
     """The samples of an IMU on a robot whose physics left a track.
 
+    Its acceleration is the mean since the sample before: a short hit is felt, as it is by a sensor
+    that passes everything up to half its rate.
+
     Parameters
     ----------
     track : ndarray, shape (rows, TRACK)

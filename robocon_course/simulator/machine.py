@@ -7,6 +7,7 @@ between two points of the grid, and then moves the rest of the way next time.
 from __future__ import annotations
 
 from math import floor
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -60,7 +61,7 @@ class Simulator:
     Raises
     ------
     ValueError
-        A start that is not a pose, or stands in an obstacle.
+        Not a model or not sensors; a start that is not a pose, or stands in an obstacle.
 
     Examples
     --------
@@ -68,7 +69,7 @@ class Simulator:
     >>> robot.apply(Command([0.5] * 4, [0.0] * 4))
     >>> robot.step(2.0)
     >>> robot.read().ticks.tolist(), robot.truth.pose.round(2).tolist()
-    ([16750, 16750, 0], [1.52, 0.35, 0.0])
+    ([16741, 16741, 0], [1.52, 0.35, 0.0])
     """
 
     def __init__(
@@ -78,8 +79,8 @@ class Simulator:
         sensors: SensorModel | None = None,
         start: ArrayLike = START,
     ) -> None:
-        self.model = model or RobotModel()
-        self.sensors = sensors or SensorModel()
+        self.model = _checked(model, "model", RobotModel)
+        self.sensors = _checked(sensors, "sensors", SensorModel)
         self._body, self._world = self.model.body(), game_field()
         self._metres_per_tick = self.model.dead_wheels.metres_per_tick
         self._light = lidar.game_field()
@@ -246,16 +247,8 @@ class Simulator:
             battery=np.array([BATTERY]),
             contact=np.zeros(2, np.int64),
         )
-        physics.advance(
-            state,
-            np.zeros((2, 4)),
-            self._body,
-            self._world,
-            TICK,
-            0,
-            0,
-            np.empty((1, physics.TRACK)),
-        )
+        idle, nowhere = np.zeros((2, 4)), np.empty((1, physics.TRACK))
+        physics.advance(state, idle, self._body, self._world, TICK, 0, 0, nowhere)
         state.contact[1] = 0
         return state
 
@@ -316,3 +309,10 @@ class Simulator:
             self._imu[self._unread : self._unread + count],
         )
         self._unread += count
+
+
+def _checked(given: object, name: str, kind: type) -> Any:
+    """A model as it was given, or the usual one."""
+    if given is not None and not isinstance(given, kind):
+        raise ValueError(f"{name}: expected a {kind.__name__}, got {type(given).__name__}")
+    return kind() if given is None else given
