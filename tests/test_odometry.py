@@ -457,9 +457,9 @@ def test_bad_counts_are_left_out_and_the_gyroscope_turns_the_pose(drive):
 def test_without_a_heading_the_wheels_turn_the_pose_until_there_are_two_in_a_row():
     quarter = WHEELS.matrix @ [0.0, 0.0, pi / 2] / WHEELS.metres_per_tick
     stream = odometry.Odometry(WHEELS)
-    headings = [None, 0.0, 0.1, nan, 0.2, 0.3]
+    headings = [None, 0.0, 0.1, nan, 0.2, 0.3, None, 0.4, 0.5]
     turns = np.diff([0.0] + [stream.update(quarter, yaw)[2] for yaw in headings])
-    assert turns == pytest.approx([pi / 2, pi / 2, 0.1, pi / 2, pi / 2, 0.1])
+    assert turns == pytest.approx([pi / 2, *[pi / 2, 0.1, pi / 2] * 2, pi / 2, 0.1])
 
 
 def test_what_is_handed_out_or_in_is_not_the_memory():

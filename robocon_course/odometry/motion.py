@@ -71,10 +71,36 @@ def body_deltas(
     """
     travel = as_floats(travel, "travel", None, len(wheels.radius))
     if yaw is None:
-        return travel @ wheels.solver.T
+        return _rows_through(wheels.solver, travel)
     turn = wrap_angle(np.diff(as_floats(yaw, "yaw", len(travel) + 1)))[:, None]
-    shift = travel @ wheels.shift_solver.T + turn * wheels.shift_per_turn
+    shift = _rows_through(wheels.shift_solver, travel) + turn * wheels.shift_per_turn
     return np.concatenate([shift, turn], axis=1)
+
+
+def _rows_through(matrix: FloatArray, rows: FloatArray) -> FloatArray:
+    # rows @ matrix.T would wake the threads of the linear algebra library for three columns: many
+    # times the CPU time, and last bits that depend on how the rows are shared out.
+    out = np.empty((len(rows), len(matrix)))
+    multiply_rows(matrix, rows, out)
+    return out
+
+
+@njit(cache=True)
+def multiply_rows(matrix, rows, out):
+    """Each row multiplied by the matrix, written into ``out``; it trusts its input.
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (m, n)
+    rows : ndarray, shape (k, n)
+    out : ndarray, shape (k, m)
+    """
+    for k in range(len(rows)):
+        for i in range(matrix.shape[0]):
+            total = 0.0
+            for j in range(matrix.shape[1]):
+                total += matrix[i, j] * rows[k, j]
+            out[k, i] = total
 
 
 @njit(cache=True)
