@@ -22,7 +22,7 @@ FLOORS = (
     ("gridmap", "drivetrain"),
     ("raycast",),
     ("field",),
-    ("imu", "odometry", "swerve"),
+    ("imu", "odometry", "swerve", "tracking"),
     ("robot",),
     ("simulator",),
     ("worlds", "autopilot"),
