@@ -24,6 +24,7 @@ A. Björck, Numerical Methods for Least Squares Problems, SIAM 1996, section 9.2
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import radians
 from typing import NamedTuple
@@ -128,14 +129,14 @@ def calibrate_wheels(
             "of them too little to tell its size; drive diagonally"
         )
     factors = known / np.where(counted, counted * wheels.metres_per_tick, np.inf)
-    _plausible("run_ticks", "radii", "times the nominal ones", factors, 1.0, PLAUSIBLE)
+    _plausible("run_ticks", "radii, in nominal ones,", factors, 1.0, PLAUSIBLE)
     if not LEAST_ANGLE <= abs(angle) < np.inf:
         raise ValueError(f"angle: a spin of {angle} rad says little; make some full turns, in rad")
     sized = replace(wheels, radius=wheels.radius * factors)
     levers = wheel_travel(sized, as_floats(spin_ticks, "spin_ticks", n)) / angle
     nominal = wheels.matrix[:, 2]
     reach = PLAUSIBLE * np.abs(nominal).max()
-    _plausible("spin_ticks", "lever arms", "m", levers, nominal, reach)
+    _plausible("spin_ticks", "lever arms, in m,", levers, nominal, reach)
     return _with_levers(sized, levers)
 
 
@@ -196,7 +197,7 @@ def self_calibrate(
     return sized(_least_squares(residuals, np.zeros(2 * n)))
 
 
-def _least_squares(residuals, z: FloatArray) -> FloatArray:
+def _least_squares(residuals: Callable[[FloatArray], FloatArray], z: FloatArray) -> FloatArray:
     """The z that makes the squares of its residuals least, Gauss-Newton."""
     for _ in range(STEPS):
         nudges = 1e-4 * np.eye(len(z))
@@ -223,9 +224,11 @@ def _with_levers(wheels: TrackingWheels, levers: FloatArray) -> TrackingWheels:
     return replace(wheels, positions=wheels.positions + steps)
 
 
-def _plausible(name, what, unit, found, nominal, reach) -> None:
+def _plausible(
+    name: str, sizes: str, found: FloatArray, nominal: FloatArray | float, reach: float
+) -> None:
     if (np.abs(found - nominal) > reach).any():
         raise ValueError(
-            f"{name}: they make the {what} {found.round(4).tolist()} {unit}, more than 20 % off; "
+            f"{name}: they make the {sizes} {found.round(4).tolist()}, more than 20 % off; "
             "look for swapped wheels, a counter that runs backwards, and units (m, rad)"
         )
