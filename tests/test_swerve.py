@@ -345,6 +345,18 @@ def test_find_slip_agrees_with_freeing_one_wheel_after_the_other():
         assert found.tolist() == [suspect if abs(slip) > 0.1 else swerve.NO_SLIP] * 9
 
 
+def test_without_noise_find_slip_is_exact_on_any_drive_and_at_any_angles():
+    rng = np.random.default_rng(11)
+    for _ in range(200):
+        m = rng.integers(3, 6)
+        positions = rng.uniform(-1.0, 1.0, (m, 2))
+        speeds, angles = swerve.module_targets(positions, rng.uniform(-2, 2, 3), np.zeros(m))
+        module = rng.integers(m)
+        for by, found in ((0.1001, module), (-0.1001, module), (0.0999, swerve.NO_SLIP)):
+            slipping = speeds + by * (np.arange(m) == module)
+            assert swerve.find_slip(positions, [slipping], [angles]).tolist() == [found]
+
+
 def test_find_slip_takes_short_logs_and_an_empty_one():
     assert swerve.find_slip(MODULES, np.ones((1, 4)), np.zeros((1, 4))).tolist() == [-1]
     assert swerve.find_slip(MODULES, np.empty((0, 4)), np.empty((0, 4))).tolist() == []
@@ -576,7 +588,10 @@ def test_the_error_to_a_still_target_fades_by_the_same_share_in_every_step():
 def test_follow_turns_the_shorter_way_and_stands_still_at_the_target():
     run = swerve.follow(MODULES, [0.0, 0.0, 3.0], [0.1, 0.0, -3.0], 4.0)
     assert run.poses[-1] == pytest.approx([0.1, 0.0, 2 * pi - 3.0], abs=swerve.REST / 4.0 * 1.5)
-    assert not run.speeds[-1].any() and np.array_equal(run.angles[-1], run.angles[-2])
+    assert run.errors[0, 2] == pytest.approx(6.0 - 2 * pi)
+    for speeds, angles in zip(run.speeds.T, run.angles.T, strict=True):
+        last = np.flatnonzero(speeds)[-1]  # then it keeps its angle
+        assert last < 1200 and angles[last] != 0.0 and (angles[last:] == angles[last]).all()
 
 
 def test_without_feedforward_the_robot_is_late_by_speed_over_gain_and_with_it_hardly():
