@@ -38,7 +38,7 @@ def animate(
     beams: ArrayLike | None = None,
     markers: Mapping[str, ArrayLike] | None = None,
     window: Window | None = None,
-    frames: int = 80,
+    frames: int = 60,
 ) -> Animation:
     """Robots driving along their paths, for `show`.
 

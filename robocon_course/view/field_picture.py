@@ -30,6 +30,8 @@ OUR_HALF: Window = (-RIM, 6.2, -RIM, field.SIZE + RIM)
 LARGEST = (5.9, 6.6)
 """Width and height of the field's picture itself [inch], without axes and key."""
 SMALLEST_WINDOW = 2.4
+NARROWEST = 0.6
+"""A fitted window's shorter side, by its longer one."""
 PALE = 0.4
 
 
@@ -116,7 +118,9 @@ def _window(
     if not known.size:
         return WHOLE_FIELD
     low, high = known.min(axis=0) - SIDE, known.max(axis=0) + SIDE
-    more = np.maximum(0.0, SMALLEST_WINDOW - (high - low)) / 2
+    size = high - low
+    wanted = np.maximum(size, SMALLEST_WINDOW)
+    more = (np.maximum(wanted, NARROWEST * wanted[::-1]) - size) / 2
     (x0, y0), (x1, y1) = low - more, high + more
     # A strip of empty page beside the field shows nothing.
     (x0, x1), (y0, y1) = _moved_inside(x0, x1), _moved_inside(y0, y1)
@@ -150,7 +154,7 @@ def draw_ground(ax: Axes, window: Window, pale: float) -> None:
         ax.imshow(shown, origin="lower", extent=extent, interpolation="antialiased")
     draw_shapes(ax, field_edges(), zorder=1)
     ax.set(xlim=window[:2], ylim=window[2:], aspect="equal", xlabel="x [m]", ylabel="y [m]")
-    step = 0.5 if min(window[1] - window[0], window[3] - window[2]) <= 3.5 else 1.0
+    step = 0.5 if max(window[1] - window[0], window[3] - window[2]) <= 5.0 else 1.0
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(MultipleLocator(step))
     ax.grid(color="black", linewidth=0.6, alpha=0.1)  # paler than any line of the field
