@@ -159,6 +159,9 @@ def _turned(
     motion: FloatArray, angle: FloatArray, *, shrink: FloatArray | float = 1.0
 ) -> FloatArray:
     """The translation of a motion turned by an angle and shortened; its own turn stays."""
-    x, y, turn = np.moveaxis(motion, -1, 0)
+    x, y = motion[..., 0], motion[..., 1]
     c, s = shrink * np.cos(angle), shrink * np.sin(angle)
-    return np.stack(np.broadcast_arrays(c * x - s * y, s * x + c * y, turn), axis=-1)
+    turned = np.empty((*np.broadcast_shapes(x.shape, c.shape), 3))
+    turned[..., 0], turned[..., 1] = c * x - s * y, s * x + c * y
+    turned[..., 2] = motion[..., 2]
+    return turned
