@@ -162,7 +162,7 @@ ROUGH_DRIVE_POSES = Exercise(
         Mistake(
             "bias left in",
             "The gyroscope's bias is still in the heading. The robot is at rest for the first "
-            "second: what does the gyroscope say there?",
+            "second: what the gyroscope says there is bias.",
             _rough(lambda by_wheels, gyro, dt: np.where(np.isfinite(gyro), gyro * dt, by_wheels)),
         ),
         Mistake(
