@@ -111,9 +111,8 @@ class Simulator:
         self.clamped = 0
         self._tick, self._part = 0, 0.0
         self._command = np.zeros((2, 4))
-        self._state = self._at_rest(self._start)
         self._track = np.empty((_ROWS, physics.TRACK))
-        physics.note.py_func(self._state, self._track[0])
+        self._state = self._at_rest(self._start, self._track)
         self._track[1:] = self._track[0]  # it has always stood here
         self._uncounted = np.zeros_like(self._state.travel)
         words = np.random.SeedSequence(int(seed)).spawn(3)
@@ -227,15 +226,15 @@ class Simulator:
         x, y, theta = pose
         if not (0.0 < x < field.SIZE and 0.0 < y < field.SIZE):
             raise ValueError(f"start: ({x:g}, {y:g}) m lies outside the field")
-        if not np.array_equal(self._at_rest(pose).pose, pose):
+        if not np.array_equal(self._at_rest(pose, np.empty((1, physics.TRACK))).pose, pose):
             raise ValueError(
                 f"start: the robot would stand in an obstacle at ({x:g}, {y:g}) m, "
                 f"{np.degrees(theta):.0f} deg; its middle needs 0.325 m to a wall, 0.46 m turned"
             )
         return pose.copy()
 
-    def _at_rest(self, pose: FloatArray) -> physics.State:
-        """All that moves, at rest at a pose; pushed aside where an obstacle is."""
+    def _at_rest(self, pose: FloatArray, track: FloatArray) -> physics.State:
+        """All that moves, at rest at a pose (also in track row 0), pushed out of any obstacle."""
         state = physics.State(
             pose=pose.copy(),
             velocity=np.zeros(4),
@@ -247,8 +246,7 @@ class Simulator:
             battery=np.array([BATTERY]),
             contact=np.zeros(2, np.int64),
         )
-        idle, nowhere = np.zeros((2, 4)), np.empty((1, physics.TRACK))
-        physics.advance(state, idle, self._body, self._world, TICK, 0, 0, nowhere)
+        physics.advance(state, np.zeros((2, 4)), self._body, self._world, TICK, 0, 0, track)
         state.contact[1] = 0
         return state
 

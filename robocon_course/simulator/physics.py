@@ -155,18 +155,12 @@ def advance(state, command, body, world, h, tick, ticks, track):
         _stand(state, body, world.floor)
         if ticks > 0:
             state.velocity[3] = (state.floor[2] - height) / h
-        note(state, track[(tick + k) % len(track)])
+        _note(state, track[(tick + k) % len(track)])
 
 
 @njit
-def note(state, row):
-    """Write the state into one row of the track.
-
-    Parameters
-    ----------
-    state : State
-    row : ndarray, shape (TRACK,)
-    """
+def _note(state, row):
+    """One row of the track."""
     row[0], row[1], row[2] = state.pose[0], state.pose[1], state.pose[2]
     row[3], row[4], row[5] = state.velocity[0], state.velocity[1], state.velocity[3]
     row[6], row[7], row[8] = state.floor[0], state.floor[1], state.floor[2]
@@ -187,7 +181,7 @@ def _drive_modules(state, command, body, h):
         error -= 2.0 * pi * floor(error / (2.0 * pi) + 0.5)  # the shorter way round
         rate = _limited(error / max(body.steering_lag, h), body.steering_rate)
         angle = state.angles[i] + h * rate
-        state.angles[i] = angle - 2.0 * pi * ((angle >= pi) - (angle < -pi))
+        state.angles[i] = angle - 2.0 * pi * floor(angle / (2.0 * pi) + 0.5)
         error = _limited(command[0, i], top) - state.speeds[i]
         rate = _limited(error / max(body.drive_lag, h), body.drive_acceleration)
         speed = state.speeds[i] + h * rate
