@@ -357,11 +357,7 @@ limit_speeds = check("swerve.limit_speeds")
 answer(
     "swerve.own_turn_rate",
     ### BEGIN SOLUTION
-    next(
-        w
-        for w in np.arange(0.0, 20.0, 0.005)
-        if module_targets(MODULES, [1.0, 0.0, w], np.zeros(4)).speeds.max() >= world.max_speed
-    ),
+    float((np.sqrt(2 * world.max_speed**2 - 1) - 1) / (2 * MODULES[0, 0])),
     ### END SOLUTION
 )
 
@@ -437,20 +433,20 @@ show(
 # A camera over the field saw how your robot moved: `world.twists`. The encoders said
 # `world.angles`, shape (600, 4). What is the offset of the **rear right** module, in degrees?
 #
-# Which angle did that module really have in each row? Wrap the differences before you average.
+# For each row, your own part says which angles the modules must really have had. Wrap the
+# differences before you average.
+
+# %%
+true_angles = np.array([module_targets(MODULES, t, np.zeros(4)).angles for t in world.twists])
+print(
+    f"row 0: encoders {np.degrees(world.angles[0]).round(1)}°, camera {np.degrees(true_angles[0]).round(1)}°"
+)
 
 # %% answer="swerve.own_offset"
 answer(
     "swerve.own_offset",
     ### BEGIN SOLUTION
-    np.degrees(
-        np.mean(
-            [
-                geometry.wrap_angle(said[2] - module_targets(MODULES, twist, said).angles[2])
-                for twist, said in zip(world.twists, world.angles)
-            ]
-        )
-    ),
+    float(np.degrees(geometry.wrap_angle(world.angles - true_angles)[:, 2].mean())),
     ### END SOLUTION
 )
 
