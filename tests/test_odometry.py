@@ -550,6 +550,7 @@ def test_two_wheels_side_by_side_need_only_a_straight_run():
 RUN_TICKS, SPIN_TICKS = counts(WHEELS, [*DIAGONAL, 0.0]), counts(WHEELS, [0.0, 0.0, FIVE_TURNS])
 
 
+@pytest.mark.filterwarnings("error")  # a wheel that never counted is no division by zero
 @pytest.mark.parametrize(
     "run_ticks, run, spin_ticks, angle, sentence",
     [
