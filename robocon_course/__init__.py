@@ -12,6 +12,7 @@ The rooms, from the ground floor up; imports run downwards only:
 ``imu``             chapter 01: calibration, Mahony filter, a phone as sensor
 ``odometry``        chapter 02: dead wheels -> pose
 ``swerve``          chapter 03: body twist -> four modules, and back
+``planning``        chapter 04: obstacle map -> shortest way, and a new one on the way
 ``tracking``        chapter 05: path -> curvature, speed, velocity; PID
 ``robot``           what autonomy and hardware agree on: Observation, Command
 ``simulator``       a robot on its field that needs no hardware

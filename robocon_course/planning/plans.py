@@ -1,0 +1,191 @@
+"""What a search is given and what it gives: two points in metres, a way, or the reason for none."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robocon_course._arrays import CourseError, FloatArray, as_floats
+from robocon_course.gridmap import GridMap, inflate
+
+
+class NoPathError(CourseError, ValueError):
+    """There is no way; the message says why.
+
+    Attributes
+    ----------
+    reason : {"outside", "blocked", "enclosed"}
+        An end lies outside the map, or in an obstacle or too near to one; or no way leads from
+        one end to the other.
+    """
+
+    def __init__(self, message: str, reason: str) -> None:
+        super().__init__(message)
+        self.reason = reason
+
+
+class Plan(NamedTuple):
+    """A way through a map, and what it took to find it.
+
+    Attributes
+    ----------
+    xy : ndarray, shape (n, 2)  [m, map]
+        Middles of the cells, those of start and goal included.
+    cells : ndarray of int64, shape (n, 2)
+        (row, col).
+    length : float  [m]
+    expanded : int
+        From how many cells the search went on; it may come back to one.
+    order : ndarray of int32, shape (rows, cols), or None
+        When it did: 1 for the first cell, 0 where it never was. None unless asked for.
+    """
+
+    xy: FloatArray
+    cells: NDArray[np.int64]
+    length: float
+    expanded: int
+    order: NDArray[np.int32] | None = None
+
+
+class Task(NamedTuple):
+    """A search with everything checked.
+
+    Attributes
+    ----------
+    room : GridMap
+        Free where the robot's middle may be.
+    start, goal : (int, int)
+        Free cells (row, col).
+    """
+
+    room: GridMap
+    start: tuple[int, int]
+    goal: tuple[int, int]
+
+
+def checked_task(grid: GridMap, start: ArrayLike, goal: ArrayLike, clearance: float) -> Task:
+    """The cells of start and goal in the inflated map.
+
+    Parameters
+    ----------
+    grid : GridMap
+    start, goal : array_like, shape (2,)  [m, map]
+    clearance : float  [m]
+
+    Returns
+    -------
+    Task
+
+    Raises
+    ------
+    NoPathError
+        One of them is outside, in an obstacle, or too near to one.
+    ValueError
+        Not finite, or a negative clearance.
+    """
+    points = {"start": as_floats(start, "start", 2), "goal": as_floats(goal, "goal", 2)}
+    room = inflate(grid, clearance)
+    for name, (x, y) in points.items():
+        at = f"{name}: ({x:g}, {y:g}) m"
+        if not grid.contains((x, y)):
+            x0, x1, y0, y1 = grid.extent
+            raise NoPathError(
+                f"{at} lies outside the map, which spans x {x0:g} to {x1:g} m and "
+                f"y {y0:g} to {y1:g} m; are these metres, and in this order?",
+                "outside",
+            )
+        if not grid.is_free((x, y)):
+            raise NoPathError(f"{at} lies in an obstacle; choose a free point", "blocked")
+        if not room.is_free((x, y)):
+            raise NoPathError(
+                f"{at} is free, but nearer than the clearance of {clearance:g} m to an obstacle "
+                "or to the edge of the map; take a smaller clearance or ask `nearest_free`",
+                "blocked",
+            )
+    (r0, c0), (r1, c1) = (grid.cells(point).tolist() for point in points.values())
+    return Task(room, (r0, c0), (r1, c1))
+
+
+def plan_through(
+    room: GridMap,
+    cells: NDArray[np.int64],
+    expanded: int,
+    order: NDArray[np.int32] | None = None,
+) -> Plan:
+    """The plan that leads through cells, one step from each to the next.
+
+    Parameters
+    ----------
+    room : GridMap
+    cells : ndarray of int64, shape (n, 2)
+    expanded : int
+    order : ndarray of int32, shape (rows, cols), optional
+
+    Returns
+    -------
+    Plan
+    """
+    diagonal = int(np.diff(cells, axis=0).all(axis=1).sum())
+    straight = len(cells) - 1 - diagonal
+    length = (straight + diagonal * sqrt(2.0)) * room.resolution
+    return Plan(room.centres(cells), cells, length, expanded, order)
+
+
+def no_way(task: Task, reached: int) -> NoPathError:
+    """The error for a goal that a search did not reach.
+
+    Parameters
+    ----------
+    task : Task
+    reached : int
+        Cells that it came to.
+
+    Returns
+    -------
+    NoPathError
+    """
+    return NoPathError(
+        f"no way leads from start to goal: only {reached} of {int(task.room.free.sum())} free cells "
+        "can be reached; is the clearance too large, or does the map close a passage?",
+        "enclosed",
+    )
+
+
+def nearest_free(grid: GridMap, xy: ArrayLike, *, clearance: float = 0.0) -> FloatArray:
+    """The middle of the free cell nearest to a point: where to plan from when it is not free.
+
+    Parameters
+    ----------
+    grid : GridMap
+    xy : array_like, shape (2,)  [m, map]
+        Any point, outside the map too.
+    clearance : float  [m]
+        As in `astar`.
+
+    Returns
+    -------
+    ndarray, shape (2,)  [m, map]
+
+    Raises
+    ------
+    NoPathError
+        No cell is free.
+    ValueError
+        Not finite, or a negative clearance.
+
+    Examples
+    --------
+    >>> nearest_free(GridMap(np.array([[False, True, True]]), 1.0), [0.2, 0.5]).tolist()
+    [1.5, 0.5]
+    """
+    point = as_floats(xy, "xy", 2)
+    centres = grid.centres(np.argwhere(inflate(grid, clearance).free))
+    if not len(centres):
+        raise NoPathError(
+            f"no cell of the map is free with a clearance of {clearance:g} m; take a smaller one",
+            "blocked",
+        )
+    return centres[np.hypot(*(centres - point).T).argmin()]
