@@ -5,9 +5,11 @@
     setpoint, measurement → Pid → actuator
 
 ================  ==================================================================
-``pid``           `Pid` with limits, anti-windup and no kick; its incremental form
+``pid``           `Pid` with limits, anti-windup and no kick; the same as a pure step
+``incremental``   the form that adds changes to the last output
 ``tuning``        gains from an oscillation (Ziegler and Nichols), and how to find it
-``pursuit``       nearest point, look-ahead point, and the circle that leads there
+``polyline``      nearest point and look-ahead point of a path
+``pursuit``       the circle that leads to the look-ahead point
 ``profile``       curvature of a path, and the speed it allows at each point
 ``following``     path and speeds -> velocity of a swerve robot
 ``differential``  a robot with two wheels to practise on
@@ -27,8 +29,8 @@ from robocon_course.tracking.following import (
     PathTwist,
     follow_path,
 )
+from robocon_course.tracking.incremental import IncrementalPid
 from robocon_course.tracking.pid import (
-    IncrementalPid,
     Pid,
     PidGains,
     PidLimits,
@@ -36,19 +38,9 @@ from robocon_course.tracking.pid import (
     PidTerms,
     pid_step,
 )
-from robocon_course.tracking.profile import (
-    path_curvature,
-    path_lengths,
-    profile_times,
-    speed_profile,
-)
-from robocon_course.tracking.pursuit import (
-    PathPoint,
-    Pursuit,
-    lookahead_distance,
-    nearest_point,
-    pure_pursuit,
-)
+from robocon_course.tracking.polyline import PathPoint, nearest_point, path_lengths
+from robocon_course.tracking.profile import path_curvature, profile_times, speed_profile
+from robocon_course.tracking.pursuit import Pursuit, lookahead_distance, pure_pursuit
 from robocon_course.tracking.tuning import (
     Critical,
     NoOscillationError,

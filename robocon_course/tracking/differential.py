@@ -3,7 +3,7 @@
     dv/dt = (command - v) / lag        a wheel nears its speed; the command comes one step late
     forward = (left + right) / 2,  turn = (right - left) / wheel_base
 
-With a lag of 75 ms and a loop of 10 ms the heading under a P controller swings with a period of
+With a lag of 70 ms and a loop of 10 ms the heading under a P controller swings with a period of
 210 ms at the gain where it never stops: that of the robot of the source.
 
 Source: path tracking with odometry feedback by PID (in Indonesian), Politeknik Elektronika Negeri
@@ -49,7 +49,7 @@ class DifferentialModel:
     wheel_base: float = 0.3
     radius: float = 0.03
     ticks_per_turn: int = 2000
-    lag: float = 0.075
+    lag: float = 0.07
     max_speed: float = 0.8
 
     def __post_init__(self) -> None:
@@ -147,7 +147,7 @@ def differential_step(
     >>> for _ in range(101):
     ...     state = differential_step(state, [0.25, 0.25], 0.01)
     >>> state.pose.round(3).tolist(), DifferentialModel().ticks(state).tolist()
-    ([0.231, 0.0, 0.0], [2453, 2453])
+    ([0.233, 0.0, 0.0], [2466, 2466])
     """
     command = as_floats(command, "command", 2)
     if not 0.0 < dt < inf:

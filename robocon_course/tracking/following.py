@@ -5,8 +5,8 @@ A swerve robot need not steer: it moves where it is told and looks where it is t
     v = v(s) sqrt(1 - (e/L)²) t  +  λ (f - p)        f: nearest point, e = |f - p|
     ω = v(s) dθ/ds               +  λ (θ(s) - θ)
 
-t points from f to the look-ahead point. On a bend that is the path's direction L/2 ahead: what the
-robot's lags need, with L = 2 · lag · v. The second terms lead back to the path, like exp(-λ t).
+t points from f to the look-ahead point. On a bend that is the path's direction L/2 ahead, which is
+what modules need that turn late: L = 2 · lag · v. The second terms lead back, like exp(-λ t).
 
 Source: the control law is that of I. Siradjuddin, S. Wibowo, A. Rofiq, Modelling and simulation of
 the kinematics of a four-wheel swerve robot (in Indonesian), Politeknik Negeri Malang, 2022,
@@ -23,14 +23,8 @@ from numpy.typing import ArrayLike
 
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.geometry import TURN
-from robocon_course.tracking.pursuit import (
-    TOLERANCE,
-    ahead,
-    as_path,
-    check_start,
-    length_between,
-    nearest,
-)
+from robocon_course.tracking.polyline import as_path, check_start, look
+from robocon_course.tracking.pursuit import TOLERANCE
 
 CREEP = 0.05
 """Slowest speed on the way [m/s]: at its ends a profile says 0."""
@@ -44,12 +38,12 @@ class LookAhead(NamedTuple):
     Attributes
     ----------
     k : float  [s]
-        Twice the robot's lag.
+        Twice the lag of its steering.
     least : float  [m]
     """
 
-    k: float = 0.2
-    least: float = 0.1
+    k: float = 0.1
+    least: float = 0.05
 
 
 class PathTwist(NamedTuple):
@@ -161,7 +155,9 @@ def follow_path(
     if not 0.0 <= creep < inf or (speeds < 0.0).any():
         raise ValueError("creep, speeds: expected m/s from 0 on")
     check_start(path, start)
-    return _follow(path, speeds, headings, pose, (lookahead, gain, creep, tolerance), start)
+    top = max(float(speeds.max()), creep)
+    settings = (lookahead, gain, creep, top, tolerance)
+    return _follow(path, speeds, headings, pose, settings, start)
 
 
 def _follow(
@@ -169,16 +165,14 @@ def _follow(
     speeds: FloatArray,
     headings: FloatArray | None,
     pose: FloatArray,
-    settings: tuple[float, float, float, float],
+    settings: tuple[float, float, float, float, float],
     start: int,
 ) -> PathTwist:
     if not np.isfinite(pose).all():
         return PathTwist(np.full(3, np.nan), start, np.nan, np.nan, False)
-    lookahead, gain, creep, tolerance = settings
+    lookahead, gain, creep, top, tolerance = settings
     x, y, theta = pose.tolist()
-    index, share, fx, fy, away = nearest(path, x, y, start, lookahead)
-    segment, s, tx, ty = ahead(path, x, y, index, share, lookahead)
-    way = length_between(path, index, share, segment, s)
+    (index, share, fx, fy, away), (segment, s, tx, ty), way = look(path, x, y, start, lookahead)
     at_end = segment == len(path) - 2 and s == 1.0
     # v² is a straight line over a segment. At the end the speed fades with the way that is left.
     square = speeds[index] ** 2 + share * (speeds[index + 1] ** 2 - speeds[index] ** 2)
@@ -187,7 +181,7 @@ def _follow(
     chord = hypot(tx - fx, ty - fy)
     ux, uy = ((tx - fx) / chord, (ty - fy) / chord) if chord > 0.0 else (0.0, 0.0)
     # Far off the path the way back is no faster than the way along may be.
-    pull = gain if gain * away <= (top := max(speeds.max(), creep)) else top / away
+    pull = gain if gain * away <= top else top / away
     turn = 0.0
     if headings is not None:
         here, there = _heading_at(headings, index, share), _heading_at(headings, segment, s)
@@ -244,6 +238,7 @@ class PathFollower:
         self.path, self.headings = as_path(path).copy(), _as_headings(headings, len(path))
         self.speeds = as_floats(speeds, "speeds", len(path)).copy()
         self._lookahead, self._gain, self._patience = lookahead, float(gain), int(patience)
+        self._top = max(float(self.speeds.max()), CREEP)
         self.state = FollowerState()
 
     def update(self, pose: ArrayLike) -> FloatArray:
@@ -266,7 +261,7 @@ class PathFollower:
         """
         pose, old = as_floats(pose, "pose", 3, finite=False), self.state
         distance = self._lookahead.k * old.speed + self._lookahead.least
-        settings = (distance, self._gain, CREEP, TOLERANCE)
+        settings = (distance, self._gain, CREEP, self._top, TOLERANCE)
         found = _follow(self.path, self.speeds, self.headings, pose, settings, old.index)
         if isfinite(found.speed):
             twist = tuple(found.twist.tolist())

@@ -18,32 +18,7 @@ from numpy.typing import ArrayLike
 
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.geometry import wrap_angle
-from robocon_course.tracking.pursuit import as_path
-
-
-def path_lengths(path: ArrayLike) -> FloatArray:
-    """Way from the beginning of a path to each of its points.
-
-    Parameters
-    ----------
-    path : array_like, shape (n, 2)  [m, map]
-
-    Returns
-    -------
-    ndarray, shape (n,)  [m]
-
-    Raises
-    ------
-    ValueError
-        No path.
-
-    Examples
-    --------
-    >>> path_lengths([[0, 0], [3, 4], [3, 5]]).tolist()
-    [0.0, 5.0, 6.0]
-    """
-    steps = np.diff(as_path(path), axis=0)
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
+from robocon_course.tracking.polyline import as_path, path_lengths
 
 
 def path_curvature(path: ArrayLike) -> FloatArray:
