@@ -29,8 +29,7 @@ world = worlds.odometry_world(student)
 # %%
 show(
     pictures.draw_system(here="02"),
-    "Odometry comes after attitude and makes the pose that everything behind it needs; "
-    "LiDAR joins it in chapter 08.",
+    "Odometry comes after attitude and makes the pose that everything behind it needs.",
 )
 
 # %% [markdown]
@@ -72,8 +71,7 @@ show(
 )
 
 # %% [markdown]
-# The sizes differ by less than 1 %. The path needs all you build here to show it,
-# and one thing more: somebody who measures the wheels.
+# The two sets of sizes differ by no more than 1 %. That is all the difference between the two paths.
 
 # %% [markdown]
 # ## 3. Three wheels that count
@@ -138,7 +136,7 @@ show(
 # ## 4. From counts to metres
 #
 # The microcontroller's counters have 16 bits. After 65535 comes 0, and before 0 comes 65535.
-# At full speed that happens every few seconds.
+# A wheel is there again and again: less than 4 m of way fill the counter.
 
 # %%
 time = np.arange(len(world.square.counters)) * world.square.dt
@@ -562,7 +560,7 @@ answer(
 truth, way = world.square.poses, world.square.distance
 errors = {
     "wrong sizes": np.hypot(*(reckon(DEAD_WHEELS, world.square) - truth)[:, :2].T),
-    "mine, calibrated": np.hypot(*(reckon(mine, world.square) - truth)[:, :2].T),
+    "calibrated": np.hypot(*(reckon(mine, world.square) - truth)[:, :2].T),
 }
 fig, ax = figure(7.0, 3.2)
 for (name, error), colour in zip(errors.items(), (plots.WARN, plots.MINE)):
@@ -573,12 +571,15 @@ last = {name: 1000 * error[-1] for name, error in errors.items()}
 show(
     fig,
     f"Position error over {way[-1]:.0f} m: it grows to {last['wrong sizes']:.0f} mm with the drawing's "
-    f"sizes, to {last['mine, calibrated']:.0f} mm with calibrated ones.",
+    f"sizes, to {last['calibrated']:.0f} mm with calibrated ones.",
 )
 
 # %% [markdown]
-# A calibration is not perfect either. In a run of 3 m nobody sees that the robot turned by 0.1°. Left
-# and right then differ by a few hundredths of a per cent, and that is what is left.
+# A calibration is not perfect either. Nobody sees that the robot turned by 0.1° in its run. Left and
+# right then come out a few hundredths of a per cent too different. That is the error that is left.
+#
+# Where somebody films the robot from above, the whole path is known, not only its end.
+# `odometry.self_calibrate` then finds the sizes that follow it best.
 
 # %% [markdown]
 # ## 11. Break it
@@ -820,16 +821,16 @@ for kind, drive in drives.items():
 # %%
 drive = drives["noisy"]
 half = slice(0, len(drive.poses) // 2, 2)
-found = run(my_parts, drive)
+found, whose = run(my_parts, drive), "mine" if my_parts.mine else "reference"
 show(
     animate(
         drive.time[half],
-        {"truth": drive.poses[half], "mine": found[0][half]},
+        {"truth": drive.poses[half], whose: found[0][half]},
         angles=np.array([one.module_angles for one in drive.observations[half]]),
         window=(0, 6, 0, 4),
         frames=60,
     ),
-    f"The first {drive.time[half][-1]:.0f} s of the noisy drive in Area 1, truth and {my_parts.label}: never "
+    f"The first {drive.time[half][-1]:.0f} s of the noisy drive in Area 1, truth and odometry ({my_parts.label}): never "
     f"more than {1000 * found[1][half].max():.0f} mm apart.",
 )
 
@@ -889,7 +890,8 @@ show(
 # stands: whatever the gyroscope says then is bias. Calibrated and fused are alike here. But fused needed
 # no log at rest, and it follows a bias that changes while the gyroscope warms up.
 #
-# The position drifts with any heading. In chapter 08 the LiDAR looks at the walls and stops that.
+# The position drifts with any heading. Only a look at the world stops that: in later chapters the LiDAR
+# looks at the walls.
 
 # %% [markdown]
 # ## 15. Challenge: a rough drive (4 points)
