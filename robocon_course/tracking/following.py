@@ -191,7 +191,7 @@ def _follow(
     dx, dy = path[index + 1] - path[index]
     left = dx * (y - fy) - dy * (x - fx) >= 0.0
     done = at_end and way + away <= tolerance
-    return PathTwist(twist, index, speed, away if left else -away, done)
+    return PathTwist(twist, index, along, away if left else -away, done)
 
 
 class PathFollower:
