@@ -204,8 +204,9 @@ def test_the_steps_agree_with_a_naive_twin_that_takes_a_hundred_times_as_many(fr
     speeds, angles = np.array([1.0, 0.4, -0.3, 0.8]), np.array([0.2, 1.0, -0.5, 2.0])
     state = robot(angles=angles)
     run(state, 0.3, speeds, angles, model=replace(MODEL, friction=friction))
-    # First order in the step: 2 ms of 300 ms
-    np.testing.assert_allclose(state.pose, naive(0.3, speeds, angles, friction), atol=2e-3)
+    # First order in the step, where wheels begin and end to slide; taking the slip anew only once
+    # a step comes out at 0.9 mrad.
+    np.testing.assert_allclose(state.pose, naive(0.3, speeds, angles, friction), atol=7e-4)
 
 
 def test_a_battery_with_resistance_gives_less_speed_under_load():
@@ -318,6 +319,14 @@ def test_a_hit_off_centre_turns_it_towards_the_wall(side):
     track = run(state, 0.5, 2.0, boxes=edge)
     assert side * track[:, 2].max(initial=0.0, where=side * track[:, 2] > 0) >= 0.0
     assert side * state.pose[2] > 0.2
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_end_of_a_ledge_turns_it_too(side):
+    ledge = [(1.0, min(0.1 * side, 0.15 * side), 2.0, max(0.1 * side, 0.15 * side))]
+    state = robot(velocity=(2.0, 0.0, 0.0), speeds=2.0)
+    run(state, 0.4, 2.0, boxes=ledge)
+    assert side * state.pose[2] > 0.1
 
 
 def test_a_robot_without_grip_keeps_its_energy_until_a_wall_takes_some():

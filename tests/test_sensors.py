@@ -147,6 +147,16 @@ def test_readings_are_whole_steps_and_carry_no_negative_zero():
         assert not np.signbit(reading[reading == 0.0]).any()
 
 
+def test_a_quaternion_and_its_negative_are_one_attitude():
+    quaternions, accelerations = MOTIONS["drive"]
+    signs = np.where(np.arange(len(quaternions)) % 3 == 0, -1.0, 1.0)[:, None]
+    for one, other in zip(
+        measured((quaternions, accelerations)), measured((signs * quaternions, accelerations)),
+        strict=True,
+    ):  # fmt: skip
+        np.testing.assert_allclose(one, other, atol=1e-9)
+
+
 def test_the_same_seed_gives_the_same_log_and_another_seed_another():
     first, again, other = (
         measured(MOTIONS["still"], sensors.ImuErrors(), seed)[0] for seed in (1, 1, 2)

@@ -29,6 +29,7 @@ from robocon_course.simulator import (
     Simulator,
     lidar,
     machine,
+    noise,
     sensors,
 )
 
@@ -436,6 +437,21 @@ def test_readings_stay_in_the_band_that_the_maker_promises():
     assert np.abs(rows - truth).max() == pytest.approx(0.05, abs=0.0011)
 
 
+def test_noise_goes_on_and_belongs_to_its_sample():
+    once = noise.Noise(np.random.default_rng(3), 2)
+    rows = np.random.default_rng(3).standard_normal((40 * noise.BLOCK, 2))
+    for row in (5, 511, 512, 700, 5000):
+        once.reach(row)
+        assert once.first <= row < once.first + 2 * noise.BLOCK
+        np.testing.assert_array_equal(once.window, rows[once.first :][: 2 * noise.BLOCK])
+    robot, other = Simulator(start=GOAL), Simulator(start=GOAL)
+    for _ in range(120):
+        robot.step(0.1)
+    other.step(12.0)
+    assert robot.read().lidar == other.read().lidar
+    assert readings(robot, 50).std(axis=0)[:2] == pytest.approx([0.0104] * 2, rel=0.5)
+
+
 def test_every_reading_survives_the_serial_line():
     robot = Simulator(start=(1.2, 10.0, 0.3))
     for one in wander(robot, 3, 3.0)[0]:
@@ -525,8 +541,10 @@ def test_beams_tilt_with_the_robot():
     # On the flat the front beam meets ramp 1 before it; on the ramp it looks along the slope.
     flat = Simulator(sensors=IDEAL, start=(0.5, 2.0, pi / 2)).read().lidar[0]
     assert flat.distance == pytest.approx(3.5 - 2.31, abs=0.02)  # 50 mm up is half the ramp
-    on_it = Simulator(sensors=IDEAL, start=(0.5, 3.5, pi / 2)).read().lidar[0]
-    assert on_it.distance == 0.0 or on_it.distance > 2.0
+    on_it = Simulator(sensors=IDEAL, start=(0.5, 3.5, pi / 2)).read().lidar
+    assert on_it[0].distance == 0.0  # 1 m up on 10 m, over every board
+    # Backwards and down, 50 mm above the slope: it meets the floor half a metre before the foot.
+    assert on_it[2].distance == pytest.approx((3.5 - 0.31 - 2.5) * sqrt(1.01), abs=0.02)
 
 
 # --- commands and refusals -----------------------------------------------------------------------

@@ -172,10 +172,8 @@ class Simulator:
                 f"command: expected Command(speeds, angles), got {type(command).__name__}"
             )
         speeds, angles = command.checked()
-        top = self._body.max_speed
-        if np.abs(speeds).max() > top * (1.0 + 1e-9):
-            self.clamped += 1
-            speeds = speeds.clip(-top, top)
+        # The wheels themselves end at the top speed.
+        self.clamped += bool(np.abs(speeds).max() > self._body.max_speed * (1.0 + 1e-9))
         self._command[0], self._command[1] = speeds, angles
 
     def read(self) -> Observation:
