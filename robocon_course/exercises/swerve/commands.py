@@ -1,18 +1,18 @@
-"""From a place on the field to a command for the body, and how people get it wrong."""
+"""From a velocity on the field to a command for the body, and how people get it wrong."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 
 from robocon_course import swerve
 from robocon_course.exercises.model import Case, Exercise, Mistake
-from robocon_course.geometry import wrap_angle
 from robocon_course.worlds import Student
 
 
-def _rotated(vector: np.ndarray, angle: float) -> np.ndarray:
+def rotated(vector: np.ndarray, angle: float) -> np.ndarray:
     """Velocity turned by an angle, its own turn as it is."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1], vector[2]])
@@ -30,7 +30,7 @@ def _field_to_robot_cases(student: Student, rng: np.random.Generator) -> list[Ca
     for _ in range(5):
         twist, theta = rng.uniform(-2.0, 2.0, 3).round(3), round(rng.uniform(-3.0, 3.0), 3)
         cases.append(("any velocity, any heading", twist, theta))
-    return [Case(what, args, "m/s") for what, *args in map(lambda c: (c[0], *c[1:]), cases)]
+    return [Case(what, (twist, theta), "m/s") for what, twist, theta in cases]
 
 
 FIELD_TO_ROBOT = Exercise(
@@ -49,27 +49,27 @@ FIELD_TO_ROBOT = Exercise(
             "robot to field",
             "This turns the other way: it takes a velocity of the robot into the map, as two "
             "equations of one source print it. The command has to be turned by −theta.",
-            lambda twist, theta: _rotated(twist, theta),
+            lambda twist, theta: rotated(twist, theta),
         ),
         Mistake(
             "degrees",
             "theta is taken for degrees. It is in radians already.",
-            lambda twist, theta: _rotated(twist, -np.radians(theta)),
+            lambda twist, theta: rotated(twist, -np.radians(theta)),
         ),
         Mistake(
             "sign of omega",
             "omega must stay as it is: robot and field agree about which way is left round.",
-            lambda twist, theta: _rotated(twist, -theta) * [1.0, 1.0, -1.0],
+            lambda twist, theta: rotated(twist, -theta) * [1.0, 1.0, -1.0],
         ),
         Mistake(
             "omega forgotten",
             "omega got lost on the way: the robot no longer turns.",
-            lambda twist, theta: _rotated(twist, -theta) * [1.0, 1.0, 0.0],
+            lambda twist, theta: rotated(twist, -theta) * [1.0, 1.0, 0.0],
         ),
         Mistake(
             "sine and cosine swapped",
             "Sine and cosine are exchanged. A robot at heading 0 must drive what it is told.",
-            lambda twist, theta: _rotated(twist, theta - np.pi / 2),
+            lambda twist, theta: rotated(twist, theta - np.pi / 2),
         ),
         Mistake(
             "one sign",
@@ -115,7 +115,7 @@ def _aimed(
         half = twist[2] * dt / 2.0
         with np.errstate(all="ignore"):
             factor = longer(half)
-            return _rotated(twist, turn(half)) * np.array([factor, factor, 1.0])
+            return rotated(twist, turn(half)) * np.array([factor, factor, 1.0])
 
     return function
 
@@ -175,6 +175,12 @@ DISCRETIZE = Exercise(
             _aimed(lambda half: -half, lambda half: np.float64(half) / np.sin(half)),
         ),
         Mistake(
+            "stops when straight",
+            "Without a turn this divides by zero and raises. half / sin(half) is 1 there; np.sinc "
+            "knows it.",
+            _aimed(lambda half: -half, lambda half: float(half) / math.sin(half)),
+        ),
+        Mistake(
             "unchanged",
             "This returns the command as it came.",
             lambda twist, dt: np.array(twist),
@@ -188,114 +194,6 @@ DISCRETIZE = Exercise(
             "dt ignored",
             "The angle is omega / 2, as if a step lasted a second: it is omega · dt / 2.",
             lambda twist, dt: swerve.discretize(twist, 1.0),
-        ),
-    ),
-)
-
-
-def _pose_feedback_cases(student: Student, rng: np.random.Generator) -> list[Case]:
-    there, behind = [1.0, 2.0, 0.5], [0.4, 2.2, 0.1]
-    named = [
-        ("there already", there, there, 1.0),
-        ("behind the target, which stands", behind, there, 1.5),
-        ("looking 20° to the other side of ±180°", [1.0, 2.0, 2.96], [1.0, 2.0, -2.97], 2.0),
-        ("a robot that has turned twice", [1.0, 2.0, 4 * np.pi + 0.3], there, 1.0),
-        ("behind a target that moves", behind, there, 1.5, [0.5, -0.2, 0.4]),
-        ("right on a target that moves", there, there, 1.0, [1.0, 0.3, -0.7]),
-    ]
-    cases = [
-        (what, *(np.array(a) if isinstance(a, list) else a for a in args)) for what, *args in named
-    ]
-    for _ in range(5):
-        pose, target, velocity = rng.uniform(-3.0, 3.0, (3, 3)).round(3)
-        cases.append(("anywhere", pose, target, round(rng.uniform(0.5, 4.0), 2), velocity))
-    return [Case(what, tuple(args), "m/s") for what, *args in cases]
-
-
-def _feedback(
-    *,
-    error: Callable[[np.ndarray, np.ndarray], np.ndarray] = lambda pose, target: pose - target,
-    wrapped: bool = True,
-    sign: float = -1.0,
-    gained: Callable[[np.ndarray, float], np.ndarray] = lambda error, gain: gain * error,
-    feed: Callable[[np.ndarray, float], np.ndarray] = lambda velocity, gain: velocity,
-) -> Callable[..., np.ndarray]:
-    """The control law with one of its parts wrong."""
-
-    def function(
-        pose: np.ndarray,
-        target: np.ndarray,
-        gain: float,
-        feedforward: np.ndarray = (0.0, 0.0, 0.0),
-    ) -> np.ndarray:
-        off = error(np.array(pose), np.array(target))
-        if wrapped:
-            off[2] = wrap_angle(off[2])
-        return sign * gained(off, gain) + feed(np.array(feedforward), gain)
-
-    return function
-
-
-POSE_FEEDBACK = Exercise(
-    id="swerve.pose_feedback",
-    title="The velocity that leads to the target",
-    points=2,
-    reference=swerve.pose_feedback,
-    cases=_pose_feedback_cases,
-    hints=(
-        "Error: pose minus target. The velocity points against it, and is the larger the farther "
-        "away the target is.",
-        "Wrap the error's third entry: a robot at 170° turns to −170° by 20° to the left.",
-        "np.array(feedforward) − gain · error, in map axes",
-    ),
-    mistakes=(
-        Mistake(
-            "away from the target",
-            "The sign is wrong: the robot runs away from its target, faster and faster.",
-            _feedback(sign=1.0),
-        ),
-        Mistake(
-            "not wrapped",
-            "The heading's error is not wrapped: at ±180° the robot turns the long way round.",
-            _feedback(wrapped=False),
-        ),
-        Mistake(
-            "feed-forward ignored",
-            "The target's own velocity is not used: a moving target is followed late, for ever.",
-            _feedback(feed=lambda velocity, gain: 0.0 * velocity),
-        ),
-        Mistake(
-            "feed-forward subtracted",
-            "The target's own velocity is subtracted: the robot lags twice as far. Add it.",
-            _feedback(feed=lambda velocity, gain: -velocity),
-        ),
-        Mistake(
-            "feed-forward times gain",
-            "The target's own velocity is multiplied by the gain. It is a velocity already.",
-            _feedback(feed=lambda velocity, gain: gain * velocity),
-        ),
-        Mistake(
-            "gain ignored",
-            "The gain is not used.",
-            _feedback(gained=lambda error, gain: error),
-        ),
-        Mistake(
-            "divided by the gain",
-            "The error is divided by the gain. A larger gain must be faster, not slower.",
-            _feedback(gained=lambda error, gain: error / gain),
-        ),
-        Mistake(
-            "in the robot's axes",
-            "The velocity is turned into the robot's axes already. This function speaks of the "
-            "map; field_to_robot comes after it.",
-            lambda pose, target, gain, feedforward=(0.0, 0.0, 0.0): _rotated(
-                swerve.pose_feedback(pose, target, gain, feedforward), -pose[2]
-            ),
-        ),
-        Mistake(
-            "heading not corrected",
-            "The heading has an error, too: the third entry is missing.",
-            _feedback(gained=lambda error, gain: gain * error * [1.0, 1.0, 0.0]),
         ),
     ),
 )

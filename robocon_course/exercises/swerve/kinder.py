@@ -65,6 +65,17 @@ def _turned(
     return function
 
 
+def _flipped_target(half: float) -> Callable[..., ModuleTargets]:
+    """Half a turn added to the wanted angle where it is far away, and the speed left alone."""
+
+    def function(targets: ModuleTargets, angles: np.ndarray) -> ModuleTargets:
+        to = np.array(targets.angles)
+        far = np.abs(wrap_angle(to - angles)) > QUARTER
+        return ModuleTargets(np.array(targets.speeds), np.where(far, to + half, to))
+
+    return function
+
+
 SHORTEST_TURN = Exercise(
     id="swerve.shortest_turn",
     title="Never steer more than a quarter turn",
@@ -85,6 +96,20 @@ SHORTEST_TURN = Exercise(
             "The angle is flipped by half a turn, the speed is not: the wheel drives the wrong "
             "way.",
             _turned(sign=1.0),
+        ),
+        *(
+            Mistake(
+                f"speed not reversed, {words}",
+                "The angle is flipped by half a turn, the speed is not: the wheel drives the wrong "
+                "way.",
+                _flipped_target(half),
+            )
+            for words, half in (("half a turn added", np.pi), ("half a turn taken off", -np.pi))
+        ),
+        Mistake(
+            "unchanged",
+            "This returns the targets as they came: a module still turns by up to 180°.",
+            lambda targets, angles: targets,
         ),
         Mistake(
             "angle not flipped",
@@ -191,6 +216,14 @@ LIMIT_SPEEDS = Exercise(
             "robot leaves its path. Slow all of them by one factor.",
             lambda targets, max_speed: ModuleTargets(
                 np.clip(targets.speeds, -max_speed, max_speed), np.array(targets.angles)
+            ),
+        ),
+        Mistake(
+            "single wheels cut off forwards",
+            "Each wheel that rolls forwards is cut off by itself, and one that rolls backwards not "
+            "at all. Slow all of them by one factor.",
+            lambda targets, max_speed: ModuleTargets(
+                np.minimum(targets.speeds, max_speed), np.array(targets.angles)
             ),
         ),
         Mistake(
