@@ -585,7 +585,7 @@ class Driver:
                 step()
                 await self.rest()
 
-        asyncio.run(session())
+        asyncio.run(asyncio.wait_for(session(), 120))  # a robot that never stops ends the test
 
     async def rest(self):
         while not self.panel.task.done():
@@ -679,7 +679,7 @@ def test_a_student_s_own_part_drives_and_its_exception_is_shown(notebook, hurry)
             raise ZeroDivisionError("division by <zero>")
         return swerve.module_targets(*arguments)
 
-    driver = Driver(SimpleNamespace(module_targets=module_targets, label="mine"))
+    driver = Driver(dataclasses.replace(Parts(), module_targets=module_targets))
     driver.run(lambda: driver.push(0.0, 0.0, 1.0))
     assert driver.panel.readout.value == "ZeroDivisionError: division by &lt;zero&gt;"
     assert len(calls) == 21

@@ -44,8 +44,8 @@ def drive(parts: Parts | None = None, *, simulator: Simulator | None = None) -> 
     Parameters
     ----------
     parts : Parts, optional
-        Whose ``module_targets``, ``limit_speeds`` and ``shortest_turn`` drive, for instance
-        ``robot_parts("mixed")``; without it the course's.
+        Whose swerve functions drive, for instance ``robot_parts("mixed")``; without it the
+        course's.
     simulator : Simulator, optional
         Another robot or another place than the start.
     """

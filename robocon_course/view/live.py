@@ -9,8 +9,8 @@ from functools import cache
 import numpy as np
 from PIL import Image, ImageDraw
 
-from robocon_course import field, robot, swerve
-from robocon_course.autopilot import Part, Parts
+from robocon_course import field, robot
+from robocon_course.autopilot import Parts, module_command
 from robocon_course.simulator import Simulator
 from robocon_course.view.body import RobotPicture, robot_shapes
 from robocon_course.view.canvas import MINE, TRUTH
@@ -46,15 +46,6 @@ class Ride:
 
     def __init__(self, simulator: Simulator, parts: Parts) -> None:
         self.simulator, self.parts = simulator, parts
-        # PROVISIONAL until Parts has them
-        import types
-
-        self.parts = types.SimpleNamespace(
-            **{
-                n: getattr(parts, n, getattr(swerve, n))
-                for n in ("module_targets", "limit_speeds", "shortest_turn")
-            }
-        )
         self.twist: tuple[float, float, float] = (0.0, 0.0, 0.0)
         self.field_centric = False
         self.observation = simulator.read()
@@ -98,16 +89,9 @@ class Ride:
         return f"{self.observation.time:.1f} s: {where}; {touch}\nLiDARs [m]: {beams}"
 
     def _command(self) -> robot.Command:
-        twist = np.array(self.twist)
-        if self.field_centric:
-            twist = swerve.field_to_robot(twist, self.pose[2])
-        now = self.observation.module_angles
-        targets = self._part("module_targets")(robot.MODULES, twist, now)
-        targets = self._part("limit_speeds")(targets, robot.MAX_SPEED)
-        return robot.Command(*self._part("shortest_turn")(targets, now))
-
-    def _part(self, name: str) -> Part:
-        return getattr(self.parts, name, None) or getattr(swerve, name)
+        theta = self.pose[2] if self.field_centric else 0.0
+        angles = self.observation.module_angles
+        return module_command(self.parts, self.twist, theta, angles, dt=CONTROL)
 
 
 def photograph(ride: Ride) -> bytes:
