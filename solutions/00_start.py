@@ -16,7 +16,7 @@
 #
 # Put your student number in place of `None`, and run the cell with **Shift + Enter**.
 # If it holds letters or begins with 0, write it in quotes: `"H1D021001"`.
-# The number gives you a sensor of your own: its errors are yours alone.
+# The number gives you a robot of your own: the errors of its sensors and sizes are yours alone.
 # The course remembers it for the chapters to come.
 
 # %%

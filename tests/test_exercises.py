@@ -888,7 +888,7 @@ def test_status_tells_the_points_the_parts_and_what_comes_next(lab):
         ("answer('start.wrap_angle', 1)", 'judge it with check("start.wrap_angle")'),
         ("begin('imu', student='not me')", "student: expected a number such as"),
         ("begin('imu', student=-1)", "student: expected a number such as"),
-        ("begin('swerve')", "there is no chapter 'swerve'"),
+        ("begin('rowing')", "there is no chapter 'rowing'"),
         ("hint('imu.mahony')", "did you mean 'imu.mahony_step'?"),
     ],
 )

@@ -112,7 +112,7 @@ def judge_number(number: Number, value: Any, student: Student = 0) -> Verdict:
         return verdict(Outcome.ERROR, f"Expected one number in {number.unit}, got a {kind}.")
     if not math.isfinite(value):
         return verdict(Outcome.ERROR, f"Expected a number in {number.unit}, got {value}.")
-    whose = f"the sensor of student number {student}"
+    whose = f"the robot of student number {student}"
     if abs(value - number.truth(student)) <= number.tolerance:
         return verdict(Outcome.PASSED, f"{value:.4g} {number.unit} is right for {whose}.")
     for mistake in number.mistakes:
