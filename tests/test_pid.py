@@ -172,7 +172,7 @@ def test_after_a_gap_the_change_is_spread_over_the_whole_of_it():
     pid = Pid(PidGains(0.0, k_d=1.0))
     run(pid, [(0.0, 0.0, 0.1), (0.0, nan, 0.1), (0.0, nan, 0.1)])
     assert pid.update(0.0, 0.6, 0.1) == pytest.approx(-2.0)
-    assert pid.update(0.0, 0.6, 0.1) == 0.0
+    assert pid.update(0.0, 0.9, 0.1) == pytest.approx(-3.0)
 
 
 @given(samples, gains, limits, st.booleans(), st.integers(0, 40), st.data())

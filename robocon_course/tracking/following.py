@@ -185,6 +185,7 @@ def _follow(
     turn = 0.0
     if headings is not None:
         here, there = _heading_at(headings, index, share), _heading_at(headings, segment, s)
+        # ω = v dθ/ds + λ (θ(s) - θ)
         turn = along * remainder(there - here, TURN) / way if way > 0.0 else 0.0
         turn += gain * remainder(here - theta, TURN)
     twist = np.array([along * ux + pull * (fx - x), along * uy + pull * (fy - y), turn])

@@ -69,7 +69,7 @@ def nearest(path, x, y, start, reach):
         s = ((x - ax) * dx + (y - ay) * dy) / square if square > 0.0 else 0.0
         s = min(max(s, 0.0), 1.0)
         px, py = ax + s * dx, ay + s * dy
-        away = hypot(x - px, y - py)
+        away = sqrt((x - px) * (x - px) + (y - py) * (y - py))
         if away < best - _TIE:
             index, share, best_x, best_y, best = k, s, px, py, away
             walked = (1.0 - s) * sqrt(square)

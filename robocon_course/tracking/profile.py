@@ -55,9 +55,8 @@ def path_curvature(path: ArrayLike) -> FloatArray:
     turns = wrap_angle(np.diff(headings))
     bends = 2.0 * turns / (lengths[moves[:-1]] + lengths[moves[1:]])
     curvature = np.zeros(len(path))
-    # A corner drawn twice or more often bends at each of its copies.
-    for bend, before, after in zip(bends, moves[:-1], moves[1:], strict=True):
-        curvature[before + 1 : after + 1] = bend
+    if len(bends):  # a corner drawn twice or more often bends at each of its copies
+        curvature[moves[0] + 1 : moves[-1] + 1] = np.repeat(bends, np.diff(moves))
     return curvature
 
 
