@@ -115,6 +115,7 @@ def dead_reckoning(
     start: ArrayLike = odometry.motion.START,
     heading: str = "fused",
     bias: float = 0.0,
+    taught: float = 0.0,
 ) -> FloatArray:
     """The robot's way from counters and gyroscope to poses.
 
@@ -132,6 +133,9 @@ def dead_reckoning(
         alone; the wheels alone.
     bias : float  [rad/s]
         What the gyroscope reads about z at rest, as far as known.
+    taught : float  [s]
+        Length of the log at rest that it comes from: so much does it weigh beside what the wheels
+        teach.
 
     Returns
     -------
@@ -153,7 +157,7 @@ def dead_reckoning(
     dt = np.diff([one.time for one in observations])
     rates = np.array([one.gyro[:, 2].mean() if len(one.gyro) else np.nan for one in observations])
     wheel_rates = deltas[:, 2] / dt if heading == "fused" else np.full(len(dt), np.nan)
-    known = odometry.HeadingState(yaw=float(start[2]), bias=bias)
+    known = odometry.HeadingState(yaw=float(start[2]), bias=bias, taught=taught)
     yaw = odometry.estimate_heading(rates[1:], wheel_rates, dt, start=known).yaw
     return parts.integrate(parts.body_deltas(wheels, travel, yaw), np.asarray(start, float))
 
@@ -189,7 +193,13 @@ def module_command(
     Command
     """
     angles = np.asarray(angles, float)
-    body = parts.discretize(parts.field_to_robot(np.asarray(twist, float), theta), dt)
-    targets = parts.module_targets(MODULES, body, angles)
-    targets = parts.shortest_turn(parts.limit_speeds(targets, max_speed), angles)
-    return Command(*swerve.cosine_compensation(targets, angles))
+    body = np.asarray(parts.field_to_robot(np.asarray(twist, float), theta), float)
+    body = np.asarray(parts.discretize(body, dt), float)
+    targets = _as_arrays(parts.module_targets(MODULES, body, angles))
+    targets = _as_arrays(parts.limit_speeds(targets, max_speed))
+    return Command(*swerve.cosine_compensation(parts.shortest_turn(targets, angles), angles))
+
+
+def _as_arrays(targets: swerve.ModuleTargets) -> swerve.ModuleTargets:
+    """One part may answer with lists, the next one count on arrays."""
+    return swerve.ModuleTargets(*(np.asarray(values, float) for values in targets))

@@ -801,10 +801,11 @@ def sizes(parts):
 def run(parts, drive, heading="fused", at_rest=True):
     """Poses of a drive on some parts, and their errors [m, deg]."""
     wheels = DEAD_WHEELS if drive.wheels is DEAD_WHEELS else sizes(parts)
-    bias = parts.calibrate_gyro(drive.still).bias[2] if at_rest else 0.0
-    poses = dead_reckoning(
-        parts, drive.observations, wheels, start=drive.poses[0], heading=heading, bias=bias
-    )
+    known = {"start": drive.poses[0], "heading": heading}
+    if at_rest:
+        known["bias"] = parts.calibrate_gyro(drive.still).bias[2]
+        known["taught"] = 0.01 * len(drive.still)  # s
+    poses = dead_reckoning(parts, drive.observations, wheels, **known)
     off = poses - drive.poses
     return poses, np.hypot(*off[:, :2].T), np.degrees(off[:, 2])
 
