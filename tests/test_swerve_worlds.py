@@ -267,3 +267,23 @@ def test_the_students_parts_are_the_ones_that_run():
     parts = Parts(**{name: noted(name) for name in names})
     module_command(parts, [1.0, 0.0, 1.0], 0.2, np.zeros(4), dt=0.02)
     assert called == list(names)
+
+
+def test_parts_that_answer_with_lists_and_parts_that_count_on_arrays_work_together():
+    def listed(name):
+        def function(first, *rest):
+            for values in first if isinstance(first, tuple) else [first]:
+                assert isinstance(values, np.ndarray), f"{name} was given a {type(values)}"
+            value = getattr(swerve, name)(first, *rest)
+            rows = [v.tolist() for v in value]
+            return swerve.ModuleTargets(*rows) if isinstance(value, tuple) else rows
+
+        return function
+
+    names = ("field_to_robot", "discretize", "module_targets", "limit_speeds", "shortest_turn")
+    order = [1.0, -0.5, 2.0], 0.4, [0.1, 0.2, -3.0, 2.0]
+    plain = module_command(Parts(), *order, dt=0.02, max_speed=1.0)
+    parts = Parts(**{name: listed(name) for name in names})
+    mixed = module_command(parts, *order, dt=0.02, max_speed=1.0)
+    np.testing.assert_array_equal(mixed.speeds, plain.speeds)
+    np.testing.assert_array_equal(mixed.angles, plain.angles)
