@@ -683,6 +683,8 @@ def test_a_student_s_own_part_drives_and_its_exception_is_shown(notebook, hurry)
     driver.run(lambda: driver.push(0.0, 0.0, 1.0))
     assert driver.panel.readout.value == "ZeroDivisionError: division by &lt;zero&gt;"
     assert len(calls) == 21
+    driver.panel.ride.simulator.step(2.0)
+    assert not driver.panel.ride.moving, "a robot whose program broke stops"
 
 
 def test_the_left_stick_drives_and_the_right_stick_turns(notebook, hurry):
