@@ -1,15 +1,45 @@
-"""Chapter 04: which way leads there, past all that stands around?
+"""Chapter 04: which way leads there, past everything that stands around?
 
-    obstacle map → room for the robot's middle → A* → a way → shortened → smooth
+    obstacle map → room for the robot's middle → A* → cells → shortened → smooth
+                              ↑ an obstacle is seen on the way: again from here
 
-==============  ================================================================
-``plans``       `Plan`, `NoPathError`; what every search is given and gives
-``astar``       A* in metres, with a weight, and again with falling weight
-``search``      the kernels: buckets, costs, steps; read them as ``.py_func``
-==============  ================================================================
+==============  ==================================================================
+``plans``       `Plan`, `NoPathError`: what every search is given and gives
+``astar``       A* in metres: weights, estimates, again with falling weight
+``search``      its kernels: costs, steps, buckets; read them as ``.py_func``
+``path``        a way as a row of points: length, thinner, evenly spread
+``sight``       what is in sight of what; a way without needless points
+``smoothing``   a way that nowhere bends more than a limit
+``replanning``  D* Lite: mend the plan when the map changes
+``journey``     drive through obstacles that are only seen on the way
+==============  ==================================================================
 """
 
 from robocon_course.planning.astar import Attempt, anytime_astar, astar
+from robocon_course.planning.journey import Journey, Leg, travel, visible_cells
+from robocon_course.planning.path import path_length, resample_path, thin_path
 from robocon_course.planning.plans import NoPathError, Plan, nearest_free
+from robocon_course.planning.replanning import Replanner
+from robocon_course.planning.sight import line_of_sight, shorten_path
+from robocon_course.planning.smoothing import path_curvature, smooth_path
 
-__all__ = ["Attempt", "NoPathError", "Plan", "anytime_astar", "astar", "nearest_free"]
+__all__ = [
+    "Attempt",
+    "Journey",
+    "Leg",
+    "NoPathError",
+    "Plan",
+    "Replanner",
+    "anytime_astar",
+    "astar",
+    "line_of_sight",
+    "nearest_free",
+    "path_curvature",
+    "path_length",
+    "resample_path",
+    "shorten_path",
+    "smooth_path",
+    "thin_path",
+    "travel",
+    "visible_cells",
+]

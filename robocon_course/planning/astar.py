@@ -221,7 +221,7 @@ def _find(task: Task, rules: Rules, watch: bool) -> Plan:
         top, pool = np.full(levels, -1, np.int32), np.empty((entries, 2), np.int32)
         found, expanded = search.search(mark, width, (start, goal), rules, cost, order, top, pool)
     if found == search.NEVER:
-        raise no_way(task, int(((mark > 0) & (mark < search.WALL)).sum()))
+        raise no_way(task, int((mark > search.WALL).sum()))
     flat = search.trace(mark, width, start, goal)
     way = np.column_stack([flat // width - 1, flat % width - 1])
     seen = order.reshape(-1, width)[1:-1, 1:-1].copy() if watch else None

@@ -17,9 +17,9 @@ class NoPathError(CourseError, ValueError):
 
     Attributes
     ----------
-    reason : {"outside", "blocked", "enclosed"}
+    reason : {"outside", "blocked", "enclosed", "bent"}
         An end lies outside the map, or in an obstacle or too near to one; or no way leads from
-        one end to the other.
+        one end to the other, or none without sharp bends.
     """
 
     def __init__(self, message: str, reason: str) -> None:
@@ -87,7 +87,7 @@ def checked_task(grid: GridMap, start: ArrayLike, goal: ArrayLike, clearance: fl
         Not finite, or a negative clearance.
     """
     points = {"start": as_floats(start, "start", 2), "goal": as_floats(goal, "goal", 2)}
-    room = inflate(grid, clearance)
+    room = inflated(grid, clearance)
     for name, (x, y) in points.items():
         at = f"{name}: ({x:g}, {y:g}) m"
         if not grid.contains((x, y)):
@@ -107,6 +107,29 @@ def checked_task(grid: GridMap, start: ArrayLike, goal: ArrayLike, clearance: fl
             )
     (r0, c0), (r1, c1) = (grid.cells(point).tolist() for point in points.values())
     return Task(room, (r0, c0), (r1, c1))
+
+
+def inflated(grid: GridMap, clearance: float) -> GridMap:
+    """Where the middle of a robot may be that keeps a clearance.
+
+    Parameters
+    ----------
+    grid : GridMap
+    clearance : float  [m]
+
+    Returns
+    -------
+    GridMap
+
+    Raises
+    ------
+    ValueError
+        Negative or not finite.
+    """
+    clearance = float(as_floats(clearance, "clearance"))
+    if clearance < 0.0:
+        raise ValueError(f"clearance: must not be negative, got {clearance!r}")
+    return inflate(grid, clearance) if clearance > 0.0 else grid
 
 
 def plan_through(
@@ -148,8 +171,8 @@ def no_way(task: Task, reached: int) -> NoPathError:
     NoPathError
     """
     return NoPathError(
-        f"no way leads from start to goal: only {reached} of {int(task.room.free.sum())} free cells "
-        "can be reached; is the clearance too large, or does the map close a passage?",
+        f"no way leads from start to goal: only {reached} of the {int(task.room.free.sum())} free "
+        "cells can be reached; is the clearance too large, or does the map close a passage?",
         "enclosed",
     )
 
@@ -182,7 +205,7 @@ def nearest_free(grid: GridMap, xy: ArrayLike, *, clearance: float = 0.0) -> Flo
     [1.5, 0.5]
     """
     point = as_floats(xy, "xy", 2)
-    centres = grid.centres(np.argwhere(inflate(grid, clearance).free))
+    centres = grid.centres(np.argwhere(inflated(grid, clearance).free))
     if not len(centres):
         raise NoPathError(
             f"no cell of the map is free with a clearance of {clearance:g} m; take a smaller one",

@@ -23,7 +23,6 @@ Algorithm 360, Communications of the ACM 12(11), 1969, for the buckets.
 
 from __future__ import annotations
 
-from heapq import heappop, heappush
 from math import sqrt
 
 import numpy as np
@@ -41,13 +40,13 @@ OVERESTIMATE = (1.0, sqrt(2.0), 1.0)
 # Eight directions, counter-clockwise from +x; the odd ones are diagonal.
 D_ROW = np.array([0, 1, 1, 1, 0, -1, -1, -1])
 D_COL = np.array([1, 1, 0, -1, -1, -1, 0, 1])
-# What `mark` says of a cell: 0 free and not seen yet, 1 + direction reached by a step in that
-# direction, the same + WAITING reached and in a bucket.
-WALL, WAITING = 255, 16
+# What the map's marks say of a cell: 0 free and not seen yet; STEP + k reached by a step in
+# direction k, and done; WAITING + STEP + k reached likewise, and in a bucket.
+WALL, STEP, WAITING = 1, 2, 16
 
 
 def prepared(grid: GridMap) -> NDArray[np.uint8]:
-    """The map for the kernels, with a wall around it; flat, cell (row, col) is there at (row + 1) (cols + 2) + col + 1.
+    """The map as the kernels see it: flat, with a wall around it.
 
     Parameters
     ----------
@@ -56,11 +55,9 @@ def prepared(grid: GridMap) -> NDArray[np.uint8]:
     Returns
     -------
     ndarray of uint8, shape ((rows + 2) (cols + 2),)
-        0 where free, ``WALL`` where not.
+        0 where free, ``WALL`` where not; cell (row, col) at (row + 1) (cols + 2) + col + 1.
     """
-    mark = np.full((grid.shape[0] + 2, grid.shape[1] + 2), WALL, np.uint8)
-    mark[1:-1, 1:-1] = np.where(grid.free, np.uint8(0), np.uint8(WALL))
-    return mark.ravel()
+    return np.pad(~grid.free, 1, constant_values=True).view(np.uint8).ravel()
 
 
 @njit(cache=True)
@@ -162,7 +159,7 @@ def search(mark, width, ends, rules, cost, order, top, pool):
     level = int(weight * estimate(row - goal_row, col - goal_col, heuristic)) >> shift
     if level >= len(top):
         return NEVER, -1
-    cost[start], mark[start], top[level] = 0, WAITING + 1, 0
+    cost[start], mark[start], top[level] = 0, WAITING + STEP, 0
     pool[0] = start, -1
     unused, spare, waiting = 1, -1, 1  # entries never used, and a stack of those given back
     best, expanded = (0 if start == goal else NEVER), 0
@@ -192,7 +189,7 @@ def search(mark, width, ends, rules, cost, order, top, pool):
             f = new + int(weight * h)
             if f >= best:
                 continue
-            cost[to], mark[to] = new, WAITING + 1 + k
+            cost[to], mark[to] = new, WAITING + STEP + k
             if to == goal:
                 best = new
             level = min(level, f >> shift)
@@ -224,14 +221,14 @@ def trace(mark, width, start, goal):
     """
     count, cell = 1, goal
     while cell != start:
-        k = mark[cell] % WAITING - 1
+        k = mark[cell] % WAITING - STEP
         cell -= D_ROW[k] * width + D_COL[k]
         count += 1
     cells = np.empty(count, np.int64)
     cell = goal
     for i in range(count - 1, 0, -1):
         cells[i] = cell
-        k = mark[cell] % WAITING - 1
+        k = mark[cell] % WAITING - STEP
         cell -= D_ROW[k] * width + D_COL[k]
     cells[0] = start
     return cells
