@@ -448,9 +448,9 @@ def rms(values) -> float:
 @pytest.mark.parametrize(
     "path, root_mean_square, most",
     [
-        pytest.param(fine(rounded(FIELD_WAY, 0.6), 0.02), 0.006, 0.02, id="both ramps"),
-        pytest.param(fine(FIELD_WAY, 0.02), 0.012, 0.06, id="sharp corners"),
-        pytest.param(fine(eight(), 0.02), 0.012, 0.02, id="eight"),
+        pytest.param(fine(rounded(FIELD_WAY, 0.6), 0.02), 0.004, 0.015, id="both ramps"),
+        pytest.param(fine(FIELD_WAY, 0.02), 0.008, 0.045, id="sharp corners"),
+        pytest.param(fine(eight(), 0.02), 0.009, 0.015, id="eight"),
     ],
 )
 def test_the_simulated_robot_stays_on_its_path_at_a_metre_per_second(path, root_mean_square, most):

@@ -29,7 +29,7 @@ from robocon_course.tracking.pursuit import TOLERANCE
 CREEP = 0.05
 """Slowest speed on the way [m/s]: at its ends a profile says 0."""
 GAIN = 3.0
-"""λ [1/s]: with lags of 0.1 s together, larger than 5 begins to swing."""
+"""λ [1/s]: back on the path in a second. Noise of the pose times this is noise of the velocity."""
 
 
 class LookAhead(NamedTuple):
@@ -139,7 +139,7 @@ def follow_path(
 
     Examples
     --------
-    10 cm to the left of a path along x: ahead, and back to the right.
+    To the left of a path along x, half a look-ahead off: ahead, and back to the right.
 
     >>> found = follow_path([[0, 0], [2, 0]], [1.0, 1.0], [0.5, 0.125, 0.0], 0.25, gain=2.0)
     >>> found.twist.round(3).tolist(), found.cross_track
