@@ -792,14 +792,14 @@ fig, (heading, rate) = figure(8.2, 3.0, columns=2)
 heading.plot(t, np.degrees(right.pose[:, 2]), color=plots.REFERENCE, label="atan2")
 heading.plot(t, np.degrees(np.arctan(dx + dy)), color=plots.WARN, label="(29)")
 rate.plot(t, right.twist[:, 2], color=plots.REFERENCE, label="right")
-lines = rate.plot(t, turning, color=plots.WARN, label="(31)")
+rate.plot(t, turning, color=plots.WARN, label="(31)")
+low, high = np.degrees([right.pose[:, 2].min(), right.pose[:, 2].max()])
 
 # %%
 heading.set(title="heading on the eight [deg]", xlabel="time [s]")
 rate.set(title="turn rate [rad/s]", ylim=(-150, 150), xlabel="time [s]")
 heading.legend()
 rate.legend(loc="lower right")
-low, high = np.degrees([right.pose[:, 2].min(), right.pose[:, 2].max()])
 show(
     fig,
     f"Heading on the figure eight: atan2 runs from {low:.0f}° to {high:.0f}°, equation 29 never leaves "
@@ -820,9 +820,9 @@ second = {"circle": -8 * np.sin(2 * np.pi * t), "eight": -4.6 * np.sin(4 * np.pi
 for name, y in y_of.items():
     before, now, after = y(t - step), y(t), y(t + step)
     true = (after - before) / (2 * step), (after - 2 * now + before) / step**2
-    for what, print_, right in zip(("y' ", "y''"), (first[name], second[name]), true):
+    for what, shown, right in zip(("y' ", "y''"), (first[name], second[name]), true):
         print(
-            f"{name:6s} {what} printed {print_:7.3f}, right {right:8.3f}, factor {right / print_:6.3f}"
+            f"{name:6s} {what} printed {shown:7.3f}, right {right:8.3f}, factor {right / shown:6.3f}"
         )
 
 # %% [markdown]
@@ -904,7 +904,9 @@ show(
 )
 
 # %% [markdown]
-# What the modules did on your parts. A negative speed is a wheel that took the shorter turn.
+# The target starts at full speed. On the slippery floor the robot needs most of the first loop to
+# catch up. What the modules did meanwhile, on your parts: a negative speed is a wheel that took the
+# shorter turn.
 
 # %%
 backwards = 100 * (yours[4] < -0.02).mean()
