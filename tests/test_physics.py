@@ -31,7 +31,7 @@ def robot(pose=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), speeds=0.0, angles=0.0
         angles=np.zeros(4) + angles,
         speeds=np.zeros(4) + speeds,
         travel=np.zeros(3),
-        wheels=np.zeros((4, 8)),
+        wheels=np.zeros((4, 10)),
         battery=np.array([24.0]),
         contact=np.zeros(2, np.int64),
     )
@@ -171,6 +171,38 @@ def test_locked_wheels_slide_as_far_as_the_textbook_says():
     way = np.hypot(*track[-1, :2])
     assert way == pytest.approx(5.0 / (2.0 * 0.6 * GRAVITY), rel=0.01)  # v^2 / 2 mu g; one tick off
     np.testing.assert_array_equal(track[-1, 3:5], 0.0)
+
+
+def test_a_weak_motor_pushes_with_what_it_has_and_does_not_spin_its_wheel():
+    weak = replace(MODEL, drive_force=10.0)  # four of them: 1.616 m/s^2; the floor would hold 5.9
+    state = robot()
+    track = run(state, 0.5, 3.0, model=weak)
+    pushes = np.diff(track[:, 3]) / TICK
+    np.testing.assert_allclose(pushes[50:], 40.0 / MODEL.mass, rtol=1e-6)
+    np.testing.assert_allclose(state.speeds, state.velocity[0], atol=2 * physics.CREEP)
+
+
+def test_a_weak_motor_brakes_no_harder_than_it_drives():
+    state = robot(velocity=(2.0, 0.0, 0.0), speeds=2.0)
+    run(state, 0.5, 0.0, model=replace(MODEL, drive_force=10.0))
+    assert state.velocity[0] == pytest.approx(2.0 - 0.5 * 40.0 / MODEL.mass, abs=0.05)
+
+
+@pytest.mark.parametrize("force, rolls", [(20.0, 0.0), (60.0, 1.0)])
+def test_against_a_wall_a_weak_motor_stalls_and_a_strong_one_spins(force, rolls):
+    wall = [[MODEL.side / 2, -5.0, 6.0, 5.0]]
+    state = robot()
+    run(state, 1.0, 1.0, model=replace(MODEL, drive_force=force), boxes=wall)
+    # What a push gives in one step, 6.5 mm/s, the wall takes only after the wheels have felt it.
+    np.testing.assert_allclose(state.speeds, rolls, atol=0.01)
+
+
+@pytest.mark.parametrize("force, climbs", [(5.5, False), (6.5, True)])  # 24.16 N / 4 = 6.04 N
+def test_a_motor_weaker_than_the_slope_does_not_climb_it(force, climbs):
+    slope = [[-100.0, -100.0, 100.0, 100.0, 0.0, 0.1, 0.0]]
+    state = robot()
+    run(state, 2.0, 1.0, model=replace(MODEL, drive_force=force), floor=slope)
+    assert state.pose[0] > 0.05 if climbs else state.pose[0] < -0.05
 
 
 def test_slip_is_what_the_drive_wheels_roll_more_than_the_dead_wheels():

@@ -240,7 +240,7 @@ class Simulator:
             angles=np.zeros(4),
             speeds=np.zeros(4),
             travel=np.zeros(len(self._body.dead_wheels)),
-            wheels=np.zeros((4, 8)),
+            wheels=np.zeros((4, 10)),
             battery=np.array([BATTERY]),
             contact=np.zeros(2, np.int64),
         )

@@ -40,8 +40,10 @@ class RobotModel:
     steering_lag, steering_rate : float  [s, rad/s]
         A module nears its angle with this time constant, at most so fast.
     drive_lag, drive_acceleration : float  [s, m/s^2]
-        A wheel nears its speed with this time constant, at most so hard. A motor is stronger than
-        the grip: asked too hard, wheels spin.
+        A wheel nears its speed with this time constant, at most so hard.
+    drive_force : float  [N]
+        What a motor's torque pushes with at its wheel's rim, at most. A wheel grips with 36 N, so
+        the motors of this robot spin their wheels; one that is weaker than the grip stalls.
     max_speed : float  [m/s]
         On a full battery.
     resistance : float  [ohm]
@@ -63,12 +65,20 @@ class RobotModel:
     steering_rate: float = 12.0
     drive_lag: float = 0.05
     drive_acceleration: float = 8.0
+    drive_force: float = 60.0
     max_speed: float = MAX_SPEED
     resistance: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "modules", as_floats(self.modules, "modules", 4, 2))
-        for name in ("side", "mass", "steering_rate", "drive_acceleration", "max_speed"):
+        for name in (
+            "side",
+            "mass",
+            "steering_rate",
+            "drive_acceleration",
+            "drive_force",
+            "max_speed",
+        ):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise ValueError(f"{name}: must be positive, got {getattr(self, name)!r}")
         for name in ("friction", "wall_friction", "steering_lag", "drive_lag", "resistance"):
@@ -90,6 +100,7 @@ class RobotModel:
             steering_rate=float(self.steering_rate),
             drive_lag=float(self.drive_lag),
             drive_acceleration=float(self.drive_acceleration),
+            drive_force=float(self.drive_force),
             max_speed=float(self.max_speed),
             battery=BATTERY,
             resistance=float(self.resistance),

@@ -60,6 +60,7 @@ class Body(NamedTuple):
     steering_rate: float
     drive_lag: float
     drive_acceleration: float
+    drive_force: float
     max_speed: float
     battery: float
     resistance: float
@@ -81,9 +82,10 @@ class State(NamedTuple):
         Of the modules.
     travel : ndarray, shape (n,)  [m]
         What each dead wheel rolled.
-    wheels : ndarray, shape (4, 8)
+    wheels : ndarray, shape (4, 10)
         Of each module, x and y in map axes: where it stands from the robot's middle [m], how it
-        would roll [m/s], its force on the body [N], and the floor's rise under it [m per m].
+        would roll [m/s], its force on the body [N], the floor's rise under it [m per m], and the
+        direction in which it rolls.
     battery : ndarray, shape (1,)  [V]
     contact : ndarray of int64, shape (2,)
         Whether the body touches something, and how often it began to.
@@ -207,6 +209,7 @@ def _grip(state, body, h):
         along = wheels[i, 6] * dx + wheels[i, 7] * dy  # a wheel rolls along the slope
         speed = state.speeds[i] / sqrt(1.0 + along * along)
         wheels[i, 2], wheels[i, 3] = speed * dx, speed * dy
+        wheels[i, 8], wheels[i, 9] = dx, dy
     there = _rolling_velocity(wheels, body, h * most, free, (velocity[0], velocity[1], velocity[2]))
     _push(state, body, h, most, there, free)
 
@@ -246,6 +249,10 @@ def _push(state, body, h, most, there, free):
         slip_x, slip_y = ux - there[0] + there[2] * y, uy - there[1] - there[2] * x
         share = most / max(sqrt(slip_x * slip_x + slip_y * slip_y), CREEP)
         px, py = share * slip_x, share * slip_y
+        dx, dy = wheels[i, 8], wheels[i, 9]
+        asked = px * dx + py * dy
+        excess = asked - _limited(asked, body.drive_force)
+        px, py = px - excess * dx, py - excess * dy
         wheels[i, 4], wheels[i, 5] = px, py
         fx, fy, torque = fx + px, fy + py, torque + x * py - y * px
         power += abs(px * ux + py * uy)
@@ -254,8 +261,22 @@ def _push(state, body, h, most, there, free):
     velocity[2] = free[2] + h * torque / body.inertia
     for j in range(3):  # a robot at rest would creep through ever smaller numbers, which are slow
         velocity[j] = velocity[j] if abs(velocity[j]) > REST else 0.0
+    _stall(state, body.drive_force)
     sag = max(body.battery - body.resistance * power / body.battery, 0.0)
     state.battery[0] += min(h / SMOOTHING, 1.0) * (sag - state.battery[0])
+
+
+@njit
+def _stall(state, drive_force):
+    """A motor that gives all it has cannot spin its wheel: the floor takes the wheel along."""
+    wheels, turn = state.wheels, state.velocity[2]
+    for i in range(4):
+        x, y, px, py = wheels[i, 0], wheels[i, 1], wheels[i, 4], wheels[i, 5]
+        dx, dy = wheels[i, 8], wheels[i, 9]
+        given = px * dx + py * dy
+        if abs(given) > drive_force * (1.0 - 1e-9):
+            vx, vy = state.velocity[0] - turn * y, state.velocity[1] + turn * x
+            state.speeds[i] = vx * dx + vy * dy + (CREEP if given > 0.0 else -CREEP)
 
 
 @njit
