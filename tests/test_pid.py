@@ -544,6 +544,13 @@ def test_the_wheels_turn_the_robot_as_told_within_their_speed(speed, turn):
         assert (left + right) / 2 == pytest.approx(speed, abs=1e-9)
 
 
+def test_a_wheel_goes_no_faster_than_it_can():
+    state = DifferentialState.at_rest()
+    for _ in range(200):
+        state = tracking.differential_step(state, [5.0, -5.0], DT, MODEL)
+    assert state.speeds == pytest.approx([0.8, -0.8])
+
+
 def test_a_robot_that_turns_one_way_drives_a_circle():
     state = DifferentialState.at_rest()
     model = DifferentialModel(lag=1e-6)

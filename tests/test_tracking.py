@@ -97,9 +97,10 @@ def test_the_search_stays_on_its_leg_of_a_way_out_and_back():
     assert nearest_point(path, (0.5, 0.06)).index == 2
     assert nearest_point(path, (0.5, 0.06), 0, reach=0.3).index == 0
     assert nearest_point(path, (0.5, 0.04), 2, reach=0.3).index == 2
-    same = [[0.0, 0.0], [2.0, 0.0], [0.0, 0.0]]
-    for lateral in np.random.default_rng(2).normal(0.0, 0.01, 200):
-        assert nearest_point(same, (1.9, lateral)).index == 0
+    # Both legs on one line are as near: rounding does not choose.
+    same = [[0.0, 0.0], [1.7, 1.1], [0.0, 0.0]]
+    for off in np.random.default_rng(2).normal(0.0, 0.01, (200, 2)):
+        assert nearest_point(same, np.array([1.6, 1.0]) + off).index == 0
 
 
 # --- pure pursuit -----------------------------------------------------------------------------
@@ -216,6 +217,7 @@ def test_it_is_done_at_the_end_past_the_end_and_nowhere_else():
     assert done([2.1, 0.05, 0.0])  # overshot: turning round would not help
     assert not done([1.97, 0.0, 0.0]) and done([1.97, 0.0, 0.0], tolerance=0.05)
     assert not done([2.0, 0.5, 0.0])  # beside the end, a look-ahead and more away
+    assert not done([1.0, 0.2999, 0.0])  # the target is 8 mm farther, but not the end
     assert pure_pursuit(STRAIGHT, [2.1, 0.05, 0.0], 0.3).target == (2.0, 0.0)
     assert pure_pursuit(STRAIGHT, [2.0, 0.0, 0.0], 0.3).curvature == 0.0
 
@@ -323,10 +325,12 @@ def test_a_way_straight_back_is_the_sharpest_bend():
 
 
 def test_corners_drawn_twice_bend_as_if_drawn_once():
-    double = np.repeat(L_SHAPE, 2, axis=0)
-    assert tracking.path_curvature(double).tolist() == pytest.approx(
-        np.repeat(tracking.path_curvature(L_SHAPE), 2).tolist()
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [3.0, 1.0], [3.0, 2.0]])
+    times = [1, 2, 1, 3, 2]
+    assert tracking.path_curvature(np.repeat(corners, times, axis=0)).tolist() == pytest.approx(
+        np.repeat(tracking.path_curvature(corners), times).tolist()
     )
+    double = np.repeat(L_SHAPE, 2, axis=0)
     assert speed_profile(double, 1.0, 1.0, 0.1)[2:4] == pytest.approx(
         speed_profile(L_SHAPE, 1.0, 1.0, 0.1)[[1, 1]]
     )
@@ -357,6 +361,9 @@ def test_along_the_path_and_back_to_it_by_hand():
     # Along: 2 m/s times sqrt(1 - (0.3 / 0.5)²); across: 2 times 0.3 m.
     assert found.twist == pytest.approx([1.6, 0.6, 0.0])
     assert (found.speed, found.cross_track) == pytest.approx((1.6, -0.3)) and not found.done
+    # The same, the path along y.
+    found = follow_path(STRAIGHT[:, ::-1], [2.0, 2.0], [0.3, 1.0, 0.0], 0.5, gain=2.0)
+    assert found.twist == pytest.approx([-0.6, 1.6, 0.0])
 
 
 def test_speed_between_two_points_is_that_of_constant_acceleration():
@@ -380,6 +387,9 @@ def test_headings_go_the_shorter_way_and_lead_ahead():
     assert found.twist[2] == pytest.approx(1.0 * 0.4 / 2.0)  # it is where it should be
     found = follow_path(STRAIGHT, speeds, [1.0, 0.0, 3.1 - TURN], 0.5, headings=headings, gain=2.0)
     assert found.twist[2] == pytest.approx(0.2 + 2.0 * 0.1)
+    three, cut = [[0, 0], [1, 0], [2, 0]], [3.0, 3.2 - TURN, 3.4 - TURN]
+    found = follow_path(three, [1.0] * 3, [0.9, 0.0, 3.18], 0.4, headings=cut)
+    assert found.twist[2] == pytest.approx(0.2)  # nearest and target on both sides of the cut
     held = follow_path(STRAIGHT, speeds, [1.0, 0.0, 3.0], 0.5, headings=-3.0, gain=2.0)
     assert held.twist[2] == pytest.approx(2.0 * (TURN - 6.0))
     assert follow_path(STRAIGHT, speeds, [1.0, 0.0, 3.0], 0.5).twist[2] == 0.0
@@ -474,6 +484,13 @@ def test_it_turns_on_the_way_starts_beside_the_path_and_takes_a_noisy_pose():
     assert away[0] > 0.2 and rms(away[100:]) < 0.03
     assert abs(remainder(poses[-1, 2] - TURN, TURN)) < 0.05
     assert poses[-1, :2] == pytest.approx(path[-1], abs=0.03)
+
+
+def test_a_follower_looks_farther_ahead_the_faster_it_goes():
+    follower = PathFollower(L_SHAPE, [1.0] * 3, lookahead=LookAhead(k=0.5, least=0.1))
+    assert follower.update([0.7, 0.0, 0.0]) == pytest.approx([1.0, 0.0, 0.0])
+    # At 1 m/s 0.6 m: round the corner, to (1, sqrt(0.6² - 0.3²)).
+    assert follower.update([0.7, 0.0, 0.0]) == pytest.approx([0.5, sqrt(0.75), 0.0])
 
 
 def test_a_follower_without_a_pose_goes_on_for_a_while_then_stops_and_counts():
