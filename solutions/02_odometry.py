@@ -14,7 +14,7 @@
 # %%
 import numpy as np
 
-from robocon_course import geometry, odometry, worlds
+from robocon_course import geometry, odometry, simulator, worlds
 from robocon_course.autopilot import dead_reckoning
 from robocon_course.exercises import answer, begin, check, robot_parts, status
 from robocon_course.robot import DEAD_WHEELS
@@ -787,6 +787,7 @@ print(f"equation 6 and the inverse of our matrix differ by less than 1e-12: {dif
 # it its bias whenever the robot stands still.
 
 # %%
+simulator.warm_up()
 my_parts, course = robot_parts("mixed"), robot_parts("reference")
 
 

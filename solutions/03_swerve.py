@@ -20,7 +20,7 @@ from robocon_course import geometry, swerve, worlds
 from robocon_course.autopilot import module_command
 from robocon_course.exercises import answer, begin, check, robot_parts, status
 from robocon_course.robot import MODULES, Command
-from robocon_course.simulator import RobotModel, Simulator
+from robocon_course.simulator import RobotModel, Simulator, warm_up
 from robocon_course.view import RobotPicture, animate, drive, explore, figure, pictures, plots, show
 
 student = begin("swerve", student=None)  # None: the number you gave in chapter 00
@@ -84,6 +84,7 @@ def distance(log):
     return 1000 * np.hypot(*(poses - targets)[time > 1.0, :2].T).mean()
 
 
+warm_up()
 course = robot_parts("reference")
 log = run(course)
 show(
@@ -881,8 +882,9 @@ show(
 
 # %%
 mine, own = robot_parts("mixed"), worlds.own_robot(student)
-quick = {"steering_lag": 0.0, "drive_lag": 0.0, "steering_rate": 1e3, "drive_acceleration": 1e3}
-ideal = replace(own, friction=3.0, **quick)
+quick = {"steering_lag": 0.0, "drive_lag": 0.0, "steering_rate": 1e3}
+strong = {"drive_acceleration": 1e3, "drive_force": 1e3, "friction": 3.0}
+ideal = replace(own, **quick, **strong)
 slow = replace(own, steering_lag=0.12, drive_lag=0.12, friction=0.3)
 rungs = {"ideal": (ideal, 0), "real": (own, 0), "rough": (slow, 5)}
 print(f"Parts: {mine.label}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import time
 import tracemalloc
 from dataclasses import replace
 from math import pi, radians, sqrt
@@ -31,6 +32,7 @@ from robocon_course.simulator import (
     machine,
     noise,
     sensors,
+    warm,
 )
 
 OPEN = (3.0, 1.6, 0.0)
@@ -659,6 +661,17 @@ def test_whatever_the_command_all_readings_stay_finite(speeds, angles, dt):
 
 
 # --- a long run ----------------------------------------------------------------------------------
+
+
+def test_a_slow_first_start_is_announced_and_a_fast_one_is_silent(monkeypatch):
+    said = []
+    monkeypatch.setattr(warm, "PATIENCE", 600.0)
+    warm.warm_up(said.append)
+    assert said == []
+    monkeypatch.setattr(warm, "PATIENCE", 0.0)
+    monkeypatch.setattr(warm, "Simulator", lambda: time.sleep(0.3) or Simulator())
+    warm.warm_up(said.append)
+    assert len(said) == 1 and "once" in said[0]
 
 
 def memory_grown(minutes):

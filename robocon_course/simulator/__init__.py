@@ -10,6 +10,7 @@
 ``lidar``     what the LiDARs read
 ``noise``     random numbers by row
 ``motions``   known motions for an IMU to record
+``warm``      `warm_up`: compile before a robot is needed
 ============  ==================================================================
 """
 
@@ -17,5 +18,6 @@ from robocon_course.simulator.machine import Simulator
 from robocon_course.simulator.model import RobotModel
 from robocon_course.simulator.sensors import IDEAL, LidarErrors, SensorModel
 from robocon_course.simulator.truth import Truth
+from robocon_course.simulator.warm import warm_up
 
-__all__ = ["IDEAL", "LidarErrors", "RobotModel", "SensorModel", "Simulator", "Truth"]
+__all__ = ["IDEAL", "LidarErrors", "RobotModel", "SensorModel", "Simulator", "Truth", "warm_up"]
