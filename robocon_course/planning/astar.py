@@ -214,10 +214,11 @@ def _find(task: Task, rules: Rules, watch: bool) -> Plan:
     start, goal = ((row + 1) * width + col + 1 for row, col in (task.start, task.goal))
     cells = (rows + 2) * width
     order = np.zeros(cells if watch else 0, np.int32)
-    levels, entries, expanded = 1024, cells // 8 + 2048, -1
+    cost = np.empty(cells, np.int64)
+    levels, entries, expanded = 2 * (rows + cols) + 512, cells // 8 + 2048, -1
     while expanded < 0:  # once, but in a maze
         levels, entries = 2 * levels, 2 * entries
-        mark, cost = search.prepared(task.room), np.empty(cells, np.int64)
+        mark = search.prepared(task.room)
         top, pool = np.full(levels, -1, np.int32), np.empty((entries, 2), np.int32)
         found, expanded = search.search(mark, width, (start, goal), rules, cost, order, top, pool)
     if found == search.NEVER:

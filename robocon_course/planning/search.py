@@ -168,7 +168,7 @@ def search(mark, width, ends, rules, cost, order, top, pool):
         if entry < 0:
             level += 1
             continue
-        cell = pool[entry, 0]
+        cell = int(pool[entry, 0])  # wider than it is kept: costs are no 32-bit numbers
         top[level], pool[entry, 1], spare = pool[entry, 1], spare, entry
         waiting -= 1
         if mark[cell] < WAITING:
