@@ -302,6 +302,27 @@ def test_a_missing_name_is_named_before_anything_runs():
     assert verdict.message.startswith("double uses factor, which it is not given.")
 
 
+def test_a_module_that_was_never_imported_is_named_with_the_line_to_write():
+    answer = source.Answer("double", "def double(x): return math.fabs(x)", ("math",))
+    with AnswerProcess() as process:
+        verdict = judge.judge_answer(process, TOY, answer, 0)
+    assert "Write import math above the function" in verdict.message
+
+
+def test_of_two_definitions_in_a_cell_the_last_one_counts(lab):
+    wrong = "def wrap_angle(angle):\n    return angle\n"
+    assert "✘ wrong" in lab.run(f"{WRAP}\n\n{wrong}") + lab.run(CHECK)
+    assert "✔ passed" in lab.run(f"{wrong}\n\n{WRAP}") + lab.run(CHECK)
+
+
+def test_a_unit_for_each_column_is_named_where_it_belongs():
+    expected, got = np.zeros((4, 3)), np.zeros((4, 3))
+    got[2, 1], got[3, 2] = 0.5, 0.25
+    assert "expected 0 m/s, got 0.5 m/s" in difference(got, expected, 1e-9, "m, m/s, rad")
+    got[2, 1] = 0.0
+    assert "expected 0 rad, got 0.25 rad" in difference(got, expected, 1e-9, "m, m/s, rad")
+
+
 def test_what_a_wrong_answer_printed_is_shown():
     verdict = judged("print('x is', x)\nreturn x")
     assert "Your function printed: x is 0.0" in repr(display.shown_verdict(verdict))

@@ -22,6 +22,7 @@ def difference(got: Any, expected: Any, atol: Tolerance, unit: str = "") -> str 
     atol : float or dict of float
         Largest difference that still counts as equal, in ``unit``; by field for a result object.
     unit : str
+        One for all, or one for each entry of the last axis: "m, m, rad".
     """
     if got is None:
         return "the function returned nothing (None); is a return missing?"
@@ -101,6 +102,9 @@ def _numbers(got: Any, expected: Any, atol: float, unit: str) -> str | None:
         return None
     where = tuple(int(i) for i in np.argwhere(off)[0])
     place = f" at entry {list(where)}" if where else ""
+    units = unit.split(", ")
+    if where and len(units) == wanted.shape[-1]:  # "m, m, rad": one for each column
+        unit = units[where[-1]]
     unit = f" {unit}" if unit else ""
     want, came_text = _apart(float(wanted[where]), float(came[where]))
     return f"expected {want}{unit}, got {came_text}{unit}{place}"

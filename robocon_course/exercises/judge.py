@@ -74,13 +74,7 @@ def judge_answer(
 ) -> Verdict:
     """Judge an assembled answer inside a running process."""
     if answer.missing:
-        names = ", ".join(answer.missing)
-        text = (
-            f"{answer.name} uses {names}, which it is not given. In the robot there is no "
-            "notebook: work it out inside the function, or write a constant in CAPITALS. "
-            "If it is a module such as np, run the notebook's first cell again."
-        )
-        return no_answer(exercise, text)
+        return no_answer(exercise, _not_given(answer))
     process.allow(min(exercise.time_limit, time_limit))
     loaded = process.load(answer.text, exercise.blocked)
     if loaded.error:
@@ -91,6 +85,20 @@ def judge_answer(
 def no_answer(exercise: Exercise | Number, message: str) -> Verdict:
     """The verdict on code that could not be tried at all."""
     return Verdict(exercise.id, Outcome.ERROR, 0.0, exercise.points, message)
+
+
+def _not_given(answer: Answer) -> str:
+    """What to do about names that an answer uses and the robot does not have."""
+    names = ", ".join(answer.missing)
+    text = f"{answer.name} uses {names}, which it is not given. "
+    modules = [name for name in answer.missing if name in sys.stdlib_module_names]
+    if modules:
+        lines = " and ".join(f"import {name}" for name in modules)
+        return text + f"Write {lines} above the function, run the cell, and check again."
+    return text + (
+        "In the robot there is no notebook: work it out inside the function, or write a constant "
+        "in CAPITALS. If it is a module such as np, run the notebook's first cell again."
+    )
 
 
 def judge_number(number: Number, value: Any, student: Student = 0) -> Verdict:

@@ -127,11 +127,12 @@ def from_cells(cells: Iterable[str]) -> Lookup:
 
 
 def definition_in(cell: str, name: str) -> str | None:
-    """The text of function or class ``name`` in a cell."""
+    """The text of function or class ``name`` in a cell; the last one, as Python has it."""
+    found = None
     for node, text in _statements(cell):
         if getattr(node, "name", None) == name:
-            return text
-    return None
+            found = text
+    return found
 
 
 def broken_definition(name: str, cells: Iterable[str]) -> str:
