@@ -68,6 +68,8 @@ def plot_paths(
             _draw_headings(ax, np.asarray(paths[label], float), headings, colour)
     for label, points in rings.items():
         draw_rings(ax, label, points)
+    if rings or headings:
+        ax.margins(0.12)  # labels and arrows stand out beyond the paths
     return fig
 
 
