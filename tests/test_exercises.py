@@ -323,6 +323,11 @@ def test_a_unit_for_each_column_is_named_where_it_belongs():
     assert "expected 0 rad, got 0.25 rad" in difference(got, expected, 1e-9, "m, m/s, rad")
 
 
+def test_counts_are_printed_whole_and_the_dust_of_rounding_as_zero():
+    assert "expected 10 counts, got -65526 counts" in difference(-65526, 10, 0.5, "counts")
+    assert "expected 0 m, got 0.5 m" in difference(0.5, 6.1e-17, 1e-9, "m")
+
+
 def test_what_a_wrong_answer_printed_is_shown():
     verdict = judged("print('x is', x)\nreturn x")
     assert "Your function printed: x is 0.0" in repr(display.shown_verdict(verdict))

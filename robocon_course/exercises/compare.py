@@ -111,7 +111,11 @@ def _numbers(got: Any, expected: Any, atol: float, unit: str) -> str | None:
 
 
 def _apart(one: float, other: float) -> tuple[str, str]:
-    """Two numbers with as many digits as it takes to tell them apart."""
+    """Two numbers with as many digits as it takes to tell them apart; rounding's dust is 0."""
+    if one.is_integer() and other.is_integer() and max(abs(one), abs(other)) < 1e9:
+        return f"{one:.0f}", f"{other:.0f}"  # counts
+    if abs(one - other) > 1e-9:
+        one, other = (0.0 if abs(number) < 1e-12 else number for number in (one, other))
     texts = ((f"{one:.{d}g}", f"{other:.{d}g}") for d in range(4, 18))
     return next((pair for pair in texts if pair[0] != pair[1]), (repr(one), repr(other)))
 

@@ -208,4 +208,4 @@ def draw_rings(ax: Axes, label: str, points: FloatArray) -> None:
     halo = [Stroke(linewidth=3.0, foreground="white"), Normal()]
     words = {"va": "center", "fontweight": "bold", "path_effects": halo, "zorder": 7}
     x, y = points[0]
-    ax.annotate(label, (x, y), (9, 0), "data", "offset points", clip_on=True, **words)
+    ax.annotate(label, (x, y), (9, 0), "data", "offset points", **words)
