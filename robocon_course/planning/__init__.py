@@ -5,7 +5,7 @@
 
 ==============  ==================================================================
 ``plans``       `Plan`, `NoPathError`: what every search is given and gives
-``astar``       A* in metres: weights, estimates, again with falling weight
+``shortest``    A* in metres: weights, estimates, again with falling weight
 ``search``      its kernels: costs, steps, buckets; read them as ``.py_func``
 ``path``        a way as a row of points: length, thinner, evenly spread
 ``sight``       what is in sight of what; a way without needless points
@@ -15,7 +15,7 @@
 ==============  ==================================================================
 """
 
-from robocon_course.planning.astar import Attempt, anytime_astar, astar
+from robocon_course.planning.shortest import Attempt, anytime_astar, astar
 from robocon_course.planning.journey import Journey, Leg, travel, visible_cells
 from robocon_course.planning.path import path_length, resample_path, thin_path
 from robocon_course.planning.plans import NoPathError, Plan, nearest_free

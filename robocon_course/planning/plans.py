@@ -87,26 +87,27 @@ def checked_task(grid: GridMap, start: ArrayLike, goal: ArrayLike, clearance: fl
         Not finite, or a negative clearance.
     """
     points = {"start": as_floats(start, "start", 2), "goal": as_floats(goal, "goal", 2)}
-    room = inflated(grid, clearance)
-    for name, (x, y) in points.items():
-        at = f"{name}: ({x:g}, {y:g}) m"
-        if not grid.contains((x, y)):
+    room, ends = inflated(grid, clearance), []
+    for name, point in points.items():
+        at = "{}: ({:g}, {:g}) m".format(name, *point)
+        if not grid.contains(point):
             x0, x1, y0, y1 = grid.extent
             raise NoPathError(
                 f"{at} lies outside the map, which spans x {x0:g} to {x1:g} m and "
                 f"y {y0:g} to {y1:g} m; are these metres, and in this order?",
                 "outside",
             )
-        if not grid.is_free((x, y)):
+        row, col = grid.cells(point).tolist()
+        if not grid.free[row, col]:
             raise NoPathError(f"{at} lies in an obstacle; choose a free point", "blocked")
-        if not room.is_free((x, y)):
+        if not room.free[row, col]:
             raise NoPathError(
                 f"{at} is free, but nearer than the clearance of {clearance:g} m to an obstacle "
                 "or to the edge of the map; take a smaller clearance or ask `nearest_free`",
                 "blocked",
             )
-    (r0, c0), (r1, c1) = (grid.cells(point).tolist() for point in points.values())
-    return Task(room, (r0, c0), (r1, c1))
+        ends.append((row, col))
+    return Task(room, *ends)
 
 
 def inflated(grid: GridMap, clearance: float) -> GridMap:

@@ -43,6 +43,8 @@ D_COL = np.array([1, 1, 0, -1, -1, -1, 0, 1])
 # What the map's marks say of a cell: 0 free and not seen yet; STEP + k reached by a step in
 # direction k, and done; WAITING + STEP + k reached likewise, and in a bucket.
 WALL, STEP, WAITING = 1, 2, 16
+ONE = 1024
+"""Weights are counted in this part: even they are whole numbers."""
 
 
 def prepared(grid: GridMap) -> NDArray[np.uint8]:
@@ -113,6 +115,39 @@ def may_step(mark, width, cell, k, cut_corners):
     )
 
 
+@njit(cache=True, inline="always")
+def is_needless(mark, width, cell, came, turn, cut_corners):
+    """Whether the cell before this one reaches a step's end as cheaply without this one.
+
+    Between two equally long ways, straight first or diagonally first, the second is kept. It
+    trusts its input.
+
+    Parameters
+    ----------
+    mark : ndarray of uint8, shape (n,)
+    width, cell : int
+    came : int
+        Direction of the step to this cell.
+    turn : int
+        By how many eighths the step from it turns to the left, -2 to 2: back it never pays.
+    cut_corners : bool
+
+    Returns
+    -------
+    bool
+    """
+    if turn == 0 or (came & 1 and abs(turn) == 1):
+        return False
+    if came & 1:  # diagonal and again: two straight steps are less, if nothing stands there
+        k = (came + turn // 2) & 7
+        beside = cell - D_ROW[came] * width - D_COL[came] + D_ROW[k] * width + D_COL[k]
+        return not cut_corners or mark[beside] != WALL
+    k = (came + 2 if turn > 0 else came - 2) & 7
+    if cut_corners:
+        return abs(turn) == 2 or mark[cell + D_ROW[k] * width + D_COL[k]] != WALL
+    return mark[cell - D_ROW[came] * width - D_COL[came] + D_ROW[k] * width + D_COL[k]] != WALL
+
+
 @njit(cache=True)
 def search(mark, width, ends, rules, cost, order, top, pool):
     """A*: the cost of the way found (``NEVER`` if there is none), and how many cells it took.
@@ -156,7 +191,7 @@ def search(mark, width, ends, rules, cost, order, top, pool):
     (start, goal), (weight, heuristic, cut_corners, once, shift) = ends, rules
     goal_row, goal_col = divmod(goal, width)
     row, col = divmod(start, width)
-    level = int(weight * estimate(row - goal_row, col - goal_col, heuristic)) >> shift
+    level = weight * estimate(row - goal_row, col - goal_col, heuristic) // ONE >> shift
     if level >= len(top):
         return NEVER, -1
     cost[start], mark[start], top[level] = 0, WAITING + STEP, 0
@@ -178,7 +213,12 @@ def search(mark, width, ends, rules, cost, order, top, pool):
         if len(order):
             order[cell] = expanded
         row, col = divmod(cell, width)
-        for k in range(8):
+        came = int(mark[cell]) - STEP
+        prune = not once and cell != start
+        for turn in range(-2, 3) if cell != start else range(-4, 4):
+            k = (came + turn) & 7
+            if prune and is_needless(mark, width, cell, came, turn, cut_corners):
+                continue
             if not may_step(mark, width, cell, k, cut_corners):
                 continue
             to = cell + D_ROW[k] * width + D_COL[k]
@@ -186,7 +226,7 @@ def search(mark, width, ends, rules, cost, order, top, pool):
             if mark[to] and (new >= cost[to] or (once and mark[to] < WAITING)):
                 continue
             h = estimate(row + D_ROW[k] - goal_row, col + D_COL[k] - goal_col, heuristic)
-            f = new + int(weight * h)
+            f = new + weight * h // ONE
             if f >= best:
                 continue
             cost[to], mark[to] = new, WAITING + STEP + k

@@ -172,7 +172,7 @@ def anytime_astar(
     for weight in weights:
         rules = _rules(weight, heuristic, cut_corners)
         plan = _find(task, rules, False)
-        w = max(1.0, rules.weight * search.OVERESTIMATE[rules.heuristic])
+        w = max(1.0, rules.weight / search.ONE * search.OVERESTIMATE[rules.heuristic])
         least = max(least, (plan.length - (w - 1.0) * grid.resolution) / w)
         if best is None or plan.length < best.length:
             best = plan
@@ -185,7 +185,7 @@ def anytime_astar(
 class Rules(NamedTuple):
     """How to search, as the kernel takes it."""
 
-    weight: float
+    weight: int
     heuristic: int
     cut_corners: bool
     once: bool
@@ -198,13 +198,14 @@ def _rules(weight: float, heuristic: str, cut_corners: bool) -> Rules:
         raise ValueError(f"heuristic: must be one of {', '.join(HEURISTICS)}, got {heuristic!r}")
     if not 0.0 <= weight <= GREATEST_WEIGHT:
         raise ValueError(f"weight: must be from 0 to {GREATEST_WEIGHT:g}, got {weight!r}")
-    code, weight = HEURISTICS[heuristic], float(weight)
-    excess = weight * search.OVERESTIMATE[code] - 1.0
+    code, parts = HEURISTICS[heuristic], floor(weight * search.ONE)
+    most = search.OVERESTIMATE[code] / search.ONE
+    excess = parts * most - 1.0
     if 0.0 < excess < LEAST_EXCESS:
-        weight, excess = weight / (1.0 + excess), 0.0
+        parts, excess = floor(1.0 / most), 0.0
     # A bucket spans 2^shift, and no more than ``excess`` steps.
     shift = min(30, floor(log2(excess * search.STRAIGHT))) if excess > 0.0 else 30
-    return Rules(weight, code, bool(cut_corners), excess > 0.0, shift)
+    return Rules(parts, code, bool(cut_corners), excess > 0.0, shift)
 
 
 def _find(task: Task, rules: Rules, watch: bool) -> Plan:
@@ -220,7 +221,9 @@ def _find(task: Task, rules: Rules, watch: bool) -> Plan:
         levels, entries = 2 * levels, 2 * entries
         mark = search.prepared(task.room)
         top, pool = np.full(levels, -1, np.int32), np.empty((entries, 2), np.int32)
-        found, expanded = search.search(mark, width, (start, goal), rules, cost, order, top, pool)
+        found, expanded = search.search(
+            mark, width, (start, goal), tuple(rules), cost, order, top, pool
+        )
     if found == search.NEVER:
         raise no_way(task, int((mark > search.WALL).sum()))
     flat = search.trace(mark, width, start, goal)
