@@ -480,7 +480,7 @@ def test_a_shortened_way_on_the_field_has_seven_points_and_keeps_its_clearance()
     plan = astar(room, START, GOAL)
     short = shorten_path(grid, plan.xy, clearance=RADIUS)
     assert len(plan.xy) > 1000 and len(short) == 7
-    assert path_length(short) < plan.length - 0.2
+    assert path_length(short) == pytest.approx(11.332, abs=0.002)
     np.testing.assert_array_equal(short[[0, -1]], plan.xy[[0, -1]])
     assert_keeps_clear(short, grid, room)
 
@@ -499,7 +499,7 @@ def assert_keeps_clear(xy, grid, room) -> None:
 
 @settings(deadline=None, max_examples=200)
 @given(tasks())
-def test_a_shortened_way_is_not_longer_and_leaves_out_points_only(task):
+def test_a_shortened_way_is_not_longer_and_cannot_be_shortened_again(task):
     free, start, goal = task
     grid = GridMap(free, 1.0)
     try:
@@ -508,7 +508,7 @@ def test_a_shortened_way_is_not_longer_and_leaves_out_points_only(task):
         assume(False)
     short = shorten_path(grid, plan.xy)
     assert path_length(short) <= plan.length + 1e-9
-    assert {tuple(p) for p in short} <= {tuple(p) for p in plan.xy}
+    assert path_length(shorten_path(grid, short)) == pytest.approx(path_length(short), rel=1e-5)
     np.testing.assert_array_equal(short[[0, -1]], plan.xy[[0, -1]])
     for a, b in pairwise(short):
         assert line_of_sight(grid, a, b)

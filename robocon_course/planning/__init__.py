@@ -15,11 +15,11 @@
 ==============  ==================================================================
 """
 
-from robocon_course.planning.shortest import Attempt, anytime_astar, astar
 from robocon_course.planning.journey import Journey, Leg, travel, visible_cells
 from robocon_course.planning.path import path_length, resample_path, thin_path
 from robocon_course.planning.plans import NoPathError, Plan, nearest_free
 from robocon_course.planning.replanning import Replanner
+from robocon_course.planning.shortest import Attempt, anytime_astar, astar
 from robocon_course.planning.sight import line_of_sight, shorten_path
 from robocon_course.planning.smoothing import path_curvature, smooth_path
 

@@ -10,11 +10,11 @@ from math import floor
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.gridmap import GridMap
-from robocon_course.planning.path import as_path
+from robocon_course.planning.path import as_path, path_length, subdivided
 from robocon_course.planning.plans import inflated
 
 TOUCH = 1e-9  # cells; a line that comes so near to a cell touches it
@@ -117,7 +117,10 @@ def line_of_sight(
 
 
 def shorten_path(grid: GridMap, xy: ArrayLike, *, clearance: float = 0.0) -> FloatArray:
-    """Leave out every point of a way around which it need not bend.
+    """Pull a way tight: straight legs that bend only around obstacles.
+
+    First it leaves out the points that are not needed, then it does the same from the other end
+    with points a cell apart on the new legs, to and fro until nothing is gained.
 
     Parameters
     ----------
@@ -129,8 +132,7 @@ def shorten_path(grid: GridMap, xy: ArrayLike, *, clearance: float = 0.0) -> Flo
     Returns
     -------
     ndarray, shape (m, 2)  [m, map]
-        Some of the points, the first and the last among them. A leg that the way had already is
-        kept even where it has no clearance.
+        With the same first and last point, and never longer. A leg that had no clearance may stay.
 
     Raises
     ------
@@ -143,10 +145,20 @@ def shorten_path(grid: GridMap, xy: ArrayLike, *, clearance: float = 0.0) -> Flo
     >>> shorten_path(grid, [[0.5, 0.5], [1.5, 1.5], [2.5, 1.5]]).tolist()
     [[0.5, 0.5], [2.5, 1.5]]
     """
-    points = as_path(xy)
+    free = inflated(grid, clearance).free
+    tight = _tight(free, grid, as_path(xy))
+    while True:
+        back = _tight(free, grid, subdivided(tight, grid.resolution)[::-1])
+        again = _tight(free, grid, subdivided(back, grid.resolution)[::-1])
+        if path_length(again) >= path_length(tight) * (1.0 - 1e-6):
+            return tight
+        tight = again
+
+
+def _tight(free: NDArray[np.bool_], grid: GridMap, points: FloatArray) -> FloatArray:
+    """Those of the points that `pull_tight` keeps."""
     kept = np.empty(len(points), np.int64)
-    count = pull_tight(inflated(grid, clearance).free, in_cells(grid, points), kept)
-    return points[kept[:count]]
+    return points[kept[: pull_tight(free, in_cells(grid, points), kept)]]
 
 
 def in_cells(grid: GridMap, xy: FloatArray) -> FloatArray:
