@@ -309,6 +309,13 @@ def test_a_module_that_was_never_imported_is_named_with_the_line_to_write():
     assert "Write import math above the function" in verdict.message
 
 
+def test_a_name_that_a_room_of_the_course_has_is_told_with_its_room():
+    answer = source.Answer("module_targets", "def module_targets(): return REST", ("REST",))
+    with AnswerProcess() as process:
+        verdict = judge.judge_answer(process, registry.exercise("swerve.module_targets"), answer, 0)
+    assert verdict.message.endswith("Write swerve.REST.")
+
+
 def test_of_two_definitions_in_a_cell_the_last_one_counts(lab):
     wrong = "def wrap_angle(angle):\n    return angle\n"
     assert "✘ wrong" in lab.run(f"{WRAP}\n\n{wrong}") + lab.run(CHECK)

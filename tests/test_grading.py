@@ -12,6 +12,7 @@ import nbformat
 import pytest
 
 from conftest import ROOT
+from robocon_course import lessons
 from robocon_course.exercises import registry
 from robocon_course.exercises.model import Outcome
 from robocon_course.grading import submission as submissions
@@ -243,6 +244,20 @@ def test_a_number_worked_out_with_a_part_that_was_not_accepted_uses_the_courses(
     ]
     row = row_of(*cells)
     assert number_verdict(row).accepted and row.points == 1
+
+
+def test_an_answer_that_uses_a_part_that_was_not_accepted_gets_the_courses(row_of):
+    source = lessons.read_source(ROOT / "solutions" / "01_imu.py")
+    cells = [
+        "from robocon_course import imu\nstudent = begin('imu', student=7)",
+        "def gravity_direction(quaternion):\n    return np.zeros(3)",
+        "gravity_direction = check('imu.gravity_direction')",
+        next(cell.source for cell in source.cells if "def mahony_step" in cell.source),
+        "mahony_step = check('imu.mahony_step')",
+    ]
+    verdicts = {v.id: v for v in row_of(*cells).verdicts}
+    assert not verdicts["imu.gravity_direction"].accepted
+    assert verdicts["imu.mahony_step"].accepted, verdicts["imu.mahony_step"].message
 
 
 # --- whose it is ------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import importlib
 import math
 import sys
 from collections.abc import Callable, Sequence
@@ -74,7 +75,7 @@ def judge_answer(
 ) -> Verdict:
     """Judge an assembled answer inside a running process."""
     if answer.missing:
-        return no_answer(exercise, _not_given(answer))
+        return no_answer(exercise, _not_given(answer, exercise.chapter))
     process.allow(min(exercise.time_limit, time_limit))
     loaded = process.load(answer.text, exercise.blocked)
     if loaded.error:
@@ -87,14 +88,20 @@ def no_answer(exercise: Exercise | Number, message: str) -> Verdict:
     return Verdict(exercise.id, Outcome.ERROR, 0.0, exercise.points, message)
 
 
-def _not_given(answer: Answer) -> str:
+def _not_given(answer: Answer, topic: str) -> str:
     """What to do about names that an answer uses and the robot does not have."""
-    names = ", ".join(answer.missing)
-    text = f"{answer.name} uses {names}, which it is not given. "
+    text = f"{answer.name} uses {', '.join(answer.missing)}, which it is not given. "
     modules = [name for name in answer.missing if name in sys.stdlib_module_names]
     if modules:
         lines = " and ".join(f"import {name}" for name in modules)
         return text + f"Write {lines} above the function, run the cell, and check again."
+    rooms = {
+        room: importlib.import_module(f"robocon_course.{room}") for room in (topic, "geometry")
+    }
+    for room, module in rooms.items():
+        for name in answer.missing:
+            if hasattr(module, name):
+                return text + f"Write {room}.{name}."
     return text + (
         "In the robot there is no notebook: work it out inside the function, or write a constant "
         "in CAPITALS. If it is a module such as np, run the notebook's first cell again."

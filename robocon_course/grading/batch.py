@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,7 +14,7 @@ from robocon_course.answers.process import AnswerProcess
 from robocon_course.exercises import registry
 from robocon_course.exercises.judge import judge_answer, judge_number, no_answer
 from robocon_course.exercises.model import Exercise, Number, Outcome, Verdict
-from robocon_course.exercises.source import assemble, broken_definition
+from robocon_course.exercises.source import Lookup, assemble, broken_definition
 from robocon_course.grading.submission import (
     COMPUTED,
     Submission,
@@ -113,13 +113,16 @@ def _verdicts(
     submission: Submission, exercises: list[Exercise | Number], deadline: float
 ) -> Iterator[Verdict]:
     functions = [e for e in exercises if isinstance(e, Exercise)]
-    verdicts = {
-        e.id: _function_verdict(submission, e, deadline - time.monotonic()) for e in functions
-    }
+    verdicts: dict[str, Verdict] = {}
+    # As in the notebook: what was not accepted is the course's from its check onwards.
+    references: dict[str, str] = {}
+    for e in functions:
+        found = _handed_on(submission.lookup(e), e.function_name, references.values())
+        verdicts[e.id] = _function_verdict(submission, e, found, deadline - time.monotonic())
+        if not verdicts[e.id].accepted:
+            references[e.id] = e.blocked[0]
     numbers = submission.numbers
     if COMPUTED in numbers.values():
-        # As in the notebook: what was not accepted is the course's from its check onwards.
-        references = {e.id: e.blocked[0] for e in functions if not verdicts[e.id].accepted}
         computed = _computed(submission, references, deadline)
         numbers = {k: computed.get(k, v) if v is COMPUTED else v for k, v in numbers.items()}
     for exercise in exercises:
@@ -132,8 +135,24 @@ def _verdicts(
             yield verdicts[exercise.id]
 
 
-def _function_verdict(submission: Submission, exercise: Exercise, time_left: float) -> Verdict:
-    answer = assemble(exercise.function_name, submission.lookup(exercise))
+def _handed_on(lookup: Lookup, own: str, references: Iterable[str]) -> Lookup:
+    """The notebook's definitions, with the course's own in place of those not accepted."""
+    lines = {}
+    for dotted in references:
+        module, _, name = dotted.rpartition(".")
+        lines[name] = f"from {module} import {name}"
+
+    def find(name: str) -> str | None:
+        text = lookup(name)
+        return text if text is None or name == own else lines.get(name, text)
+
+    return find
+
+
+def _function_verdict(
+    submission: Submission, exercise: Exercise, lookup: Lookup, time_left: float
+) -> Verdict:
+    answer = assemble(exercise.function_name, lookup)
     if answer is None:
         broken = broken_definition(exercise.function_name, submission.cells)
         if broken:

@@ -13,7 +13,7 @@ from robocon_course._arrays import FloatArray
 from robocon_course.view.canvas import MINE, REFERENCE, figure, styled
 
 MOST_BARS = 12
-MOST_NOTES = 6
+MOST_NOTES = 4
 MOST_PANELS = 4
 
 
@@ -88,7 +88,11 @@ def _draw_bars(ax: Axes, got: FloatArray, expected: FloatArray) -> None:
     )
     count = max(got.size, expected.size)
     for k in range(count if count <= MOST_NOTES else 0):
-        words = [f"{values[k]:.4g}" if k < values.size else "–" for values in (got, expected)]
+        # Rounded: 6e-17 is a zero that went through a sine.
+        words = [
+            f"{values[k].round(12) + 0.0:.4g}" if k < values.size else "–"
+            for values in (got, expected)
+        ]
         ax.annotate(
             f"came {words[0]}\nexpected {words[1]}",
             (k, 0),

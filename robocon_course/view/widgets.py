@@ -53,13 +53,13 @@ def _show_sliders(draw: Drawing, sliders: dict[str, Any], display_id: str, twin:
 
     controls = {name: _control(name, spec) for name, spec in sliders.items()}
     # The text twin moves with the sliders. A Label would cut a long line off; HTML wraps it.
-    readout = ipywidgets.HTML(f"Figure: {html.escape(one_line(twin))}")
+    readout = ipywidgets.HTML(_unbroken(twin))
 
     def redraw(change: Any) -> None:
         try:
             figure, twin = draw(**{name: control.value for name, control in controls.items()})
             publish(figure, twin, display_id, update=True)
-            readout.value = f"Figure: {html.escape(one_line(twin))}"
+            readout.value = _unbroken(twin)
         except Exception as error:  # a callback's exception would vanish into a log nobody reads
             message = html.escape(f"{type(error).__name__}: {error}")
             readout.value = f"{message} <i>(The picture is the last that worked.)</i>"
@@ -70,6 +70,12 @@ def _show_sliders(draw: Drawing, sliders: dict[str, Any], display_id: str, twin:
     data = box._repr_mimebundle_()
     data["text/plain"] = "Sliders: " + ", ".join(sliders)
     publish_display_data(data)
+
+
+def _unbroken(twin: str) -> str:
+    """The text twin as HTML; JupyterLab would break its lines within words."""
+    style = "word-break: normal; overflow-wrap: normal; white-space: normal"
+    return f'<span style="{style}">Figure: {html.escape(one_line(twin))}</span>'
 
 
 def _control(name: str, spec: tuple | list) -> Any:
