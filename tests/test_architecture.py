@@ -22,7 +22,7 @@ FLOORS = (
     ("gridmap", "drivetrain"),
     ("raycast",),
     ("field",),
-    ("imu", "odometry", "swerve", "tracking"),
+    ("imu", "odometry", "swerve", "planning", "tracking"),
     ("robot",),
     ("simulator",),
     ("worlds", "autopilot"),

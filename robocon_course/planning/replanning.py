@@ -221,7 +221,7 @@ class Replanner:
     4.0
     >>> free[0:2, 2] = False
     >>> round(replanner.plan(GridMap(free, 1.0), [1.5, 1.5]).length, 3)
-    5.0
+    4.414
     """
 
     def __init__(
