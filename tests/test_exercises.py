@@ -314,6 +314,10 @@ def test_a_name_that_a_room_of_the_course_has_is_told_with_its_room():
     with AnswerProcess() as process:
         verdict = judge.judge_answer(process, registry.exercise("swerve.module_targets"), answer, 0)
     assert verdict.message.endswith("Write swerve.REST.")
+    answer = source.Answer("wrap_angle", "def wrap_angle(angle): return half", ("half",))
+    with AnswerProcess() as process:
+        verdict = judge.judge_answer(process, registry.exercise("start.wrap_angle"), answer, 0)
+    assert "In the robot there is no notebook" in verdict.message
 
 
 def test_of_two_definitions_in_a_cell_the_last_one_counts(lab):

@@ -7,6 +7,7 @@ import importlib
 import math
 import sys
 from collections.abc import Callable, Sequence
+from importlib.util import find_spec
 from typing import Any
 
 from robocon_course.answers.process import AnswerProcess, Reply
@@ -95,13 +96,11 @@ def _not_given(answer: Answer, topic: str) -> str:
     if modules:
         lines = " and ".join(f"import {name}" for name in modules)
         return text + f"Write {lines} above the function, run the cell, and check again."
-    rooms = {
-        room: importlib.import_module(f"robocon_course.{room}") for room in (topic, "geometry")
-    }
-    for room, module in rooms.items():
+    for place in (f"robocon_course.{topic}", "robocon_course.geometry"):
+        room = importlib.import_module(place) if find_spec(place) else None
         for name in answer.missing:
-            if hasattr(module, name):
-                return text + f"Write {room}.{name}."
+            if hasattr(room, name):
+                return text + f"Write {place.partition('.')[2]}.{name}."
     return text + (
         "In the robot there is no notebook: work it out inside the function, or write a constant "
         "in CAPITALS. If it is a module such as np, run the notebook's first cell again."
