@@ -3,13 +3,15 @@
 from robocon_course.exercises.model import Chapter
 from robocon_course.exercises.odometry.body import BODY_DELTAS
 from robocon_course.exercises.odometry.calibration import CALIBRATE_WHEELS
+from robocon_course.exercises.odometry.counters import TICK_CHANGES
 from robocon_course.exercises.odometry.own_world import (
     OWN_OFFSET,
     OWN_SQUARE,
     ROUGH_DRIVE_POSES,
 )
-from robocon_course.exercises.odometry.poses import BODY_VELOCITY, INTEGRATE
-from robocon_course.exercises.odometry.wheels import TICK_CHANGES, WHEEL_MATRIX, WHEEL_TRAVEL
+from robocon_course.exercises.odometry.poses import INTEGRATE
+from robocon_course.exercises.odometry.velocity import BODY_VELOCITY
+from robocon_course.exercises.odometry.wheels import WHEEL_MATRIX, WHEEL_TRAVEL
 
 CHAPTER = Chapter(
     number="02",

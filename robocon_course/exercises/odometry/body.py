@@ -61,7 +61,9 @@ def _moved(positions: Callable[[np.ndarray], np.ndarray]) -> Answer:
     return function
 
 
-def _with_yaw(turn: Callable[[np.ndarray], np.ndarray], *, taken_off: bool = True) -> Answer:
+def _with_yaw(
+    turn: Callable[[np.ndarray], np.ndarray], *, taken_off: bool = True, sign: float = 1.0
+) -> Answer:
     """Wheels as they should be, but another turn from the heading."""
 
     def function(
@@ -72,7 +74,7 @@ def _with_yaw(turn: Callable[[np.ndarray], np.ndarray], *, taken_off: bool = Tru
         turned, matrix = turn(yaw), wheel_matrix(wheels.positions, wheels.directions)
         if not taken_off:
             return np.column_stack([odometry.body_deltas(wheels, travel)[:, :2], turned])
-        rest = travel - turned[:, None] * matrix[:, 2]
+        rest = travel - sign * turned[:, None] * matrix[:, 2]
         return np.column_stack([rest @ np.linalg.pinv(matrix[:, :2]).T, turned])
 
     return function
@@ -95,6 +97,32 @@ def _in_map(
         np.column_stack([0 * heading, 0 * heading, heading]), deltas[:, :2]
     )
     return np.column_stack([turned, deltas[:, 2]])
+
+
+def _solved(solver: Callable[[np.ndarray], np.ndarray], known: Callable | None = None) -> Answer:
+    """Another matrix in place of the pseudo-inverse, transposed; with yaw, too, if so asked."""
+
+    def function(
+        wheels: TrackingWheels, travel: np.ndarray, yaw: np.ndarray | None = None
+    ) -> np.ndarray:
+        matrix = wheel_matrix(wheels.positions, wheels.directions)
+        if yaw is None:
+            return travel @ solver(matrix)
+        if known is None:
+            return odometry.body_deltas(wheels, travel, yaw)
+        turned = _turns(yaw)
+        rest = travel - turned[:, None] * matrix[:, 2]
+        return np.column_stack([rest @ known(matrix[:, :2]), turned])
+
+    return function
+
+
+def _left_right_rear(
+    wheels: TrackingWheels, travel: np.ndarray, yaw: np.ndarray | None = None
+) -> np.ndarray:
+    (left, right, rear), (x, y) = travel[:, :3].T, wheels.positions.T
+    turned = (right - left) / (y[0] - y[1]) if yaw is None else _turns(yaw)
+    return np.column_stack([(left + right) / 2, rear - x[2] * turned, turned])
 
 
 BODY_DELTAS = Exercise(
@@ -147,6 +175,12 @@ BODY_DELTAS = Exercise(
             _with_yaw(_turns, taken_off=False),
         ),
         Mistake(
+            "turn added",
+            "What the turn rolls on the wheels is added to the travel. It is in there already: "
+            "take it off.",
+            _with_yaw(_turns, sign=-1.0),
+        ),
+        Mistake(
             "missing wrap",
             "Where the heading passes ±180° the robot seems to turn all the way round. Wrap the "
             "difference.",
@@ -176,6 +210,35 @@ BODY_DELTAS = Exercise(
             "world for body",
             "The motion is turned into the map already. It belongs to the base here.",
             _in_map,
+        ),
+        Mistake(
+            "transposed",
+            "Rows and columns of the result are swapped: one row for each sample, three columns.",
+            _changed(np.transpose),
+        ),
+        *(
+            Mistake(
+                f"solver not transposed{where}",
+                "The matrix that solves for one sample stands to its left. For rows of travel it "
+                "stands to the right and has to be transposed: travel @ np.linalg.pinv(A).T.",
+                _solved(np.linalg.pinv, known),
+            )
+            for where, known in (("", np.linalg.pinv), (" without yaw", None))
+        ),
+        *(
+            Mistake(
+                f"inverse for pseudo-inverse{where}",
+                "Only three wheels have an inverse. With four wheels, or with the turn known, the "
+                "matrix is not square: np.linalg.pinv(A) is least squares.",
+                _solved(lambda matrix: np.linalg.inv(matrix).T, known),
+            )
+            for where, known in (("", np.linalg.inv), (" without yaw", None))
+        ),
+        Mistake(
+            "formulas of one robot",
+            "Mean and difference of left and right are the answer for two wheels equally far from "
+            "the centre. Solve with the wheel matrix, and any number of wheels anywhere will do.",
+            _left_right_rear,
         ),
     ),
 )

@@ -17,11 +17,18 @@ Drive = tuple[TrackingWheels, np.ndarray, np.ndarray, np.ndarray, float]
 
 
 def _drives(
-    wheels: TrackingWheels, drawn: TrackingWheels, run: tuple[float, float], angle: float
+    wheels: TrackingWheels,
+    drawn: TrackingWheels,
+    run: tuple[float, float],
+    angle: float,
+    *,
+    whole: bool = True,
 ) -> Drive:
     """The arguments of a calibration: what true wheels count on a run and a spin."""
     rolled = wheels.matrix @ np.array([(*run, 0.0), (0.0, 0.0, angle)]).T
-    counts = np.round(rolled.T / wheels.metres_per_tick).astype(np.int64)
+    counts = rolled.T / wheels.metres_per_tick
+    if whole:
+        counts = np.round(counts).astype(np.int64)
     return drawn, counts[0], np.array(run), counts[1], angle
 
 
@@ -29,13 +36,17 @@ def _calibrate_wheels_cases(student: Student, rng: np.random.Generator) -> list[
     own, other = worlds.own_wheels(student), some_wheels(rng)
     around = np.radians([60.0, 180.0, 300.0]) + rng.uniform(-0.2, 0.2)
     circle = np.column_stack([np.cos(around), np.sin(around)])
-    omni = TrackingWheels(0.2 * circle, around + np.pi / 2, 0.05, 2048)
+    # Not quite tangential, so that a place has a part along the wheel's direction, too.
+    ways = around + np.pi / 2 + 0.15
+    omni = TrackingWheels(0.2 * circle, ways, 0.05, 2048)
     radius = 0.05 * (1 + rng.uniform(-0.01, 0.01, 3))
-    built = TrackingWheels(rng.uniform(0.196, 0.204) * circle, around + np.pi / 2, radius, 2048)
+    built = TrackingWheels(rng.uniform(0.196, 0.204) * circle, ways, radius, 2048)
     # So that every wheel rolls: none of the three stands square to the run.
     slanting = 3.0 * np.array([np.cos(around[0] - 0.25), np.sin(around[0] - 0.25)])
+    # Whole counts would move every size by micrometres; this robot is as drawn to the last digit.
+    exact = _drives(DEAD_WHEELS, DEAD_WHEELS, (2.0, 2.0), 12.0, whole=False)
     named = [
-        ("a robot that is exactly as drawn", _drives(DEAD_WHEELS, DEAD_WHEELS, (2.0, 2.0), 12.0)),
+        ("a robot that is exactly as drawn", exact),
         ("your own robot", _drives(own, DEAD_WHEELS, worlds.RUN, worlds.SPIN)),
         ("another robot, spun to the right", _drives(other, DEAD_WHEELS, (3.0, -1.5), -40.0)),
         ("a run backwards", _drives(some_wheels(rng), DEAD_WHEELS, (-2.0, 1.5), worlds.SPIN)),
@@ -51,6 +62,9 @@ def _calibration(
     angle: Callable[[float], float] = lambda angle: angle,
     lever: Callable[[np.ndarray, np.ndarray], np.ndarray] = lambda found, drawn: found,
     spin_radius: Callable[..., np.ndarray] = lambda found, drawn: found,
+    place: Callable[..., np.ndarray] = lambda drawn, steps, across: (
+        drawn.positions + steps[:, None] * across
+    ),
 ) -> Callable[..., TrackingWheels]:
     """Run and spin with one of the steps done wrongly."""
 
@@ -67,7 +81,7 @@ def _calibration(
         travel = spin_radius(found, wheels) * spin_ticks / per_turn
         arms = lever(travel / angle(spun), wheels.matrix[:, 2])
         across = np.column_stack([np.sin(wheels.directions), -np.cos(wheels.directions)])
-        moved = wheels.positions + (arms - wheels.matrix[:, 2])[:, None] * across
+        moved = place(wheels, arms - wheels.matrix[:, 2], across)
         return TrackingWheels(moved, wheels.directions, np.abs(found), wheels.ticks_per_turn)
 
     return function
@@ -147,6 +161,35 @@ CALIBRATE_WHEELS = Exercise(
             _calibration(lever=lambda found, drawn: 2 * drawn - found),
         ),
         Mistake(
+            "moved along its direction",
+            "The wheels are moved along the way they roll. That does not change a lever arm; move "
+            "them square to it, by (sin a, −cos a).",
+            _calibration(
+                place=lambda drawn, steps, across: (
+                    drawn.positions + steps[:, None] * drawn.matrix[:, :2]
+                )
+            ),
+        ),
+        Mistake(
+            "only the lever arm kept",
+            "The wheels stand at lever arm · (sin a, −cos a), so their place along their own "
+            "direction is lost. Keep the drawn place and add only what its lever arm lacks.",
+            _calibration(
+                place=lambda drawn, steps, across: (steps + drawn.matrix[:, 2])[:, None] * across
+            ),
+        ),
+        Mistake(
+            "lever arm added",
+            "The whole new lever arm is added to the place. Move the wheel by the difference: new "
+            "lever arm minus old.",
+            _calibration(lever=lambda found, drawn: found + drawn),
+        ),
+        Mistake(
+            "unchanged",
+            "These are the sizes of the drawing. Run and spin say what they are really.",
+            lambda wheels, run_ticks, run, spin_ticks, angle: wheels,
+        ),
+        Mistake(
             "positions left as drawn",
             "The wheels stand where the drawing has them. The spin says how far out they are.",
             _calibration(lever=lambda found, drawn: drawn),
@@ -156,6 +199,21 @@ CALIBRATE_WHEELS = Exercise(
             "The lever arms are half of what they should be. A wheel's lever arm is its distance "
             "from the centre: half the track, but the whole rear offset.",
             _calibration(lever=lambda found, drawn: found / 2),
+        ),
+        Mistake(
+            "first radius for all",
+            "All wheels get the first one's radius. Each has its own.",
+            _calibration(radius=lambda found, drawn, run: np.full_like(found, found[0])),
+        ),
+        Mistake(
+            "places scaled",
+            "The whole place is scaled by new lever arm over old. Nothing is known of a wheel's "
+            "place along its own direction: move it square to that only.",
+            _calibration(
+                place=lambda drawn, steps, across: (
+                    drawn.positions * (1.0 + steps / drawn.matrix[:, 2])[:, None]
+                )
+            ),
         ),
     ),
 )

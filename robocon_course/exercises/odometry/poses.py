@@ -1,4 +1,4 @@
-"""From motion to poses, and back to velocity, and how people get them wrong."""
+"""From motion to poses, and how people get them wrong."""
 
 from __future__ import annotations
 
@@ -41,6 +41,7 @@ def _integrated(
     chord: Callable[[np.ndarray], np.ndarray] = np.ones_like,
     *,
     turned: float = 1.0,
+    aside: float = -1.0,
     first: Callable[[np.ndarray], np.ndarray] = lambda start: start,
     last: Callable[[np.ndarray, np.ndarray], np.ndarray] = lambda poses, start: poses,
 ) -> Answer:
@@ -52,14 +53,15 @@ def _integrated(
         way = turned * (theta[:-1] + at * deltas[:, 2])
         with np.errstate(all="ignore"):
             forward, left = (deltas[:, :2] * chord(deltas[:, 2] / 2)[:, None]).T
-        x = begin[0] + np.r_[0.0, np.cumsum(np.cos(way) * forward - np.sin(way) * left)]
+        x = begin[0] + np.r_[0.0, np.cumsum(np.cos(way) * forward + aside * np.sin(way) * left)]
         y = begin[1] + np.r_[0.0, np.cumsum(np.sin(way) * forward + np.cos(way) * left)]
         return last(np.column_stack([x, y, theta]), np.asarray(start, float))
 
     return function
 
 
-def _chord(half: np.ndarray) -> np.ndarray:
+def chord_share(half: np.ndarray) -> np.ndarray:
+    """How long a chord is, in lengths of its arc, by half the turn."""
     return np.sinc(half / np.pi)
 
 
@@ -108,7 +110,35 @@ INTEGRATE = Exercise(
             "start heading, right chord",
             "The chord has the right length but starts along the heading at the beginning of the "
             "step. It points along the heading halfway, θ + turn/2.",
-            _integrated(0.0, _chord),
+            _integrated(0.0, chord_share),
+        ),
+        Mistake(
+            "end heading, right chord",
+            "The chord has the right length but points along the heading after the step. It points "
+            "along the heading halfway, θ + turn/2.",
+            _integrated(1.0, chord_share),
+        ),
+        Mistake(
+            "half a turn too far",
+            "θ is moved on before the step is made, so θ + turn/2 lies beyond its end. Move θ "
+            "last.",
+            _integrated(1.5, chord_share),
+        ),
+        Mistake(
+            "sinc without π",
+            "np.sinc(h) is sin(π h) / (π h): it brings a π of its own. sin(h)/h is "
+            "np.sinc(h / np.pi).",
+            _integrated(0.5, np.sinc),
+        ),
+        Mistake(
+            "chord longer",
+            "The factor is upside down: the chord is shorter than its arc, by sin(h)/h.",
+            _integrated(0.5, lambda half: 1.0 / chord_share(half)),
+        ),
+        Mistake(
+            "shortened twice",
+            "The chord is shortened twice: sin(h)/h belongs to the step once.",
+            _integrated(0.5, lambda half: chord_share(half) ** 2),
         ),
         Mistake(
             "division by zero",
@@ -120,29 +150,42 @@ INTEGRATE = Exercise(
             "not turned into the map",
             "Forward and left are added as if the robot always looked along x. Turn each step by "
             "the heading.",
-            _integrated(0.5, _chord, turned=0.0),
+            _integrated(0.5, chord_share, turned=0.0),
         ),
         Mistake(
             "sign of the rotation",
             "The steps are turned the wrong way. Counter-clockwise is positive: "
             "x += cos · forward − sin · left, y += sin · forward + cos · left.",
-            _integrated(0.5, _chord, turned=-1.0),
+            _integrated(0.5, chord_share, turned=-1.0),
+        ),
+        Mistake(
+            "minus forgotten",
+            "A minus is missing, so this is no rotation: x += cos · forward − sin · left.",
+            _integrated(0.5, chord_share, aside=1.0),
         ),
         Mistake(
             "degrees",
             "The angles are converted to radians once more. They are in radians already.",
-            _integrated(0.5, _chord, turned=np.pi / 180),
+            _integrated(0.5, chord_share, turned=np.pi / 180),
         ),
         Mistake(
             "start ignored",
             "The start is not used: the path begins at (0, 0, 0).",
-            _integrated(0.5, _chord, first=np.zeros_like),
+            _integrated(0.5, chord_share, first=np.zeros_like),
+        ),
+        Mistake(
+            "start's heading ignored",
+            "The start's place is used, its heading is not: a robot that looks elsewhere drives "
+            "elsewhere. Begin with all three.",
+            _integrated(0.5, chord_share, first=lambda start: start * [1.0, 1.0, 0.0]),
         ),
         Mistake(
             "start added at the end",
             "The start is added to the poses at the end. Its heading turns the whole path; begin "
             "from it.",
-            _integrated(0.5, _chord, first=np.zeros_like, last=lambda poses, start: poses + start),
+            _integrated(
+                0.5, chord_share, first=np.zeros_like, last=lambda poses, start: poses + start
+            ),
         ),
         Mistake(
             "wrapped heading",
@@ -150,7 +193,7 @@ INTEGRATE = Exercise(
             "by 4 π, and the next function needs to know.",
             _integrated(
                 0.5,
-                _chord,
+                chord_share,
                 last=lambda poses, start: np.column_stack(
                     [poses[:, :2], geometry.wrap_angle(poses[:, 2])]
                 ),
@@ -160,135 +203,7 @@ INTEGRATE = Exercise(
             "start left out",
             "The first row is missing: the result begins with the start and is one row longer "
             "than the steps.",
-            _integrated(0.5, _chord, last=lambda poses, start: poses[1:]),
-        ),
-    ),
-)
-
-
-def _body_velocity_cases(student: Student, rng: np.random.Generator) -> list[Case]:
-    def drive(twists: list, dt: float, start: tuple = (0.0, 0.0, 0.0)) -> np.ndarray:
-        return odometry.integrate(np.array(twists, float) * dt, start)
-
-    wild = np.column_stack([rng.uniform(-1.5, 1.5, (30, 2)), rng.uniform(-3, 3, 30)])
-    passing = drive([[0.4, 0.0, 2.0]] * 6, 0.05, (0.0, 0.0, np.radians(165)))
-    passing[:, 2] = geometry.wrap_angle(passing[:, 2])
-    named = [
-        (
-            "straight ahead, looking along y",
-            drive([[1.0, 0.0, 0.0]] * 3, 0.05, (0, 0, np.pi / 2)),
-            0.05,
-        ),
-        ("backwards", drive([[-0.8, 0.0, 0.0]] * 3, 0.05, (1, 2, 0.7)), 0.05),
-        ("to the right", drive([[0.0, -0.5, 0.0]] * 3, 0.05, (0, 0, -2.0)), 0.05),
-        ("on the spot, clockwise", drive([[0.0, 0.0, -2.0]] * 3, 0.05), 0.05),
-        ("the heading passes ±180°", passing, 0.05),
-        ("a tight curve, seldom sampled", drive([[1.0, 0.2, 3.0]] * 4, 0.5), 0.5),
-        ("a wild drive", drive(wild, 0.1, (0.5, -1.0, 2.0)), 0.1),
-    ]
-    return [Case(what, (poses, dt), "m/s, m/s, rad/s", MICROMETRE) for what, poses, dt in named]
-
-
-def _turns(yaw: np.ndarray) -> np.ndarray:
-    return geometry.wrap_angle(np.diff(yaw))
-
-
-def _velocity(
-    at: float,
-    *,
-    arc: bool = True,
-    turn: Callable[[np.ndarray], np.ndarray] = _turns,
-    change: Callable[[np.ndarray, float], np.ndarray] = lambda steps, dt: steps / dt,
-) -> Answer:
-    """Velocity seen from the heading ``at`` a share of the turn, along the arc or its chord."""
-
-    def function(poses: np.ndarray, dt: float) -> np.ndarray:
-        step, turned = np.diff(poses[:, :2], axis=0), turn(poses[:, 2])
-        look = poses[:-1, 2] + at * turned if np.isfinite(at) else 0.0 * turned
-        c, s = np.cos(look), np.sin(look)
-        longer = 1.0 / _chord(turned / 2) if arc else 1.0
-        forward = longer * (c * step[:, 0] + s * step[:, 1])
-        left = longer * (c * step[:, 1] - s * step[:, 0])
-        return change(np.column_stack([forward, left, turned]), dt)
-
-    return function
-
-
-BODY_VELOCITY = Exercise(
-    id="odometry.body_velocity",
-    title="Speed with its sign",
-    points=2,
-    reference=odometry.body_velocity,
-    shortcuts=("robocon_course.geometry.poses.se2_log",),
-    cases=_body_velocity_cases,
-    hints=(
-        "Go the way of integrate backwards: difference of places, turn it into the base, stretch "
-        "the chord to its arc, divide by dt.",
-        "turn = wrapped difference of headings; look = θ + turn/2; forward = cos · dx + sin · dy, "
-        "left = cos · dy − sin · dx.",
-        "Divide forward and left by np.sinc(turn / 2 / np.pi), then all three by dt.",
-    ),
-    mistakes=(
-        Mistake(
-            "absolute values",
-            "The sign is lost, as in one of the sources: nobody can tell forwards from backwards, "
-            "or left from right.",
-            _velocity(0.5, change=lambda steps, dt: np.abs(steps) / dt),
-        ),
-        Mistake(
-            "missing wrap",
-            "Where the heading passes ±180° the robot seems to spin at a hundred radians a second. "
-            "Wrap the difference of headings.",
-            _velocity(0.5, turn=np.diff),
-        ),
-        Mistake(
-            "world for body",
-            "This is the velocity in map axes. Asked for is what the robot feels: turn it back by "
-            "the heading.",
-            _velocity(np.nan, arc=False),
-        ),
-        Mistake(
-            "start heading",
-            "The step is seen from the heading at its beginning. Its chord points along the "
-            "heading halfway.",
-            _velocity(0.0, arc=False),
-        ),
-        Mistake(
-            "end heading",
-            "The step is seen from the heading at its end. Its chord points along the heading "
-            "halfway.",
-            _velocity(1.0, arc=False),
-        ),
-        Mistake(
-            "chord for arc",
-            "This is the length of the chord. The robot drove the arc: divide by sin(h)/h with "
-            "h = turn/2.",
-            _velocity(0.5, arc=False),
-        ),
-        Mistake(
-            "not divided by dt",
-            "These are steps, not speeds: divide by dt.",
-            _velocity(0.5, change=lambda steps, dt: steps),
-        ),
-        Mistake(
-            "times dt",
-            "Speed is way divided by time, not times.",
-            _velocity(0.5, change=lambda steps, dt: steps * dt),
-        ),
-        Mistake(
-            "degrees per second",
-            "The turn is in degrees per second. It is in rad/s everywhere in the robot.",
-            _velocity(0.5, change=lambda steps, dt: steps * [1.0, 1.0, 180.0 / np.pi] / dt),
-        ),
-        Mistake(
-            "millimetres per second",
-            "Forward and left are in mm/s. The robot counts in m/s.",
-            _velocity(0.5, change=lambda steps, dt: steps * [1000.0, 1000.0, 1.0] / dt),
-        ),
-        Mistake(
-            "forward and left swapped",
-            "The first two columns are swapped: forward (x) comes first, then left (y).",
-            _velocity(0.5, change=lambda steps, dt: steps[:, [1, 0, 2]] / dt),
+            _integrated(0.5, chord_share, last=lambda poses, start: poses[1:]),
         ),
     ),
 )

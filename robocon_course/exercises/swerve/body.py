@@ -16,7 +16,7 @@ from robocon_course.worlds import Student
 def _body_twist_cases(student: Student, rng: np.random.Generator) -> list[Case]:
     def rolling(drive: Drive, twist: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         speeds, angles = swerve.module_targets(drive, twist, np.zeros(len(drive)))
-        return np.round(speeds, 4), np.round(angles, 4)
+        return speeds, angles  # not rounded: the modules of a clean case agree to the last digit
 
     named = [
         ("all straight ahead", [1.0, 0.0, 0.0]),
@@ -46,6 +46,7 @@ def _twist(
     change: Callable[[np.ndarray], np.ndarray] = lambda twist: twist,
     used: slice = slice(None),
     mixed: bool = False,
+    whole: bool = False,
 ) -> Callable[..., np.ndarray]:
     """Least squares with one of its parts wrong."""
 
@@ -56,7 +57,8 @@ def _twist(
         matrix = np.vstack([np.c_[one, none, across * y], np.c_[none, one, x]])
         seen = np.stack([speeds * np.cos(turned), speeds * np.sin(turned)])
         seen = seen.T.ravel() if mixed else seen.ravel()
-        return change(np.linalg.lstsq(matrix, seen, rcond=None)[0])
+        found = np.linalg.lstsq(matrix, seen, rcond=None)
+        return found if whole else change(found[0])
 
     return function
 
@@ -66,6 +68,13 @@ def _means(drive: Drive, speeds: np.ndarray, angles: np.ndarray) -> np.ndarray:
     x, y = np.asarray(drive, float).T
     a, b = speeds * np.cos(angles), speeds * np.sin(angles)
     return np.array([a.mean(), b.mean(), np.mean((x * b - y * a) / (x**2 + y**2))])
+
+
+def _forward_only(drive: Drive, speeds: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Least squares on the rows of a alone."""
+    y = np.asarray(drive, float)[:, 1]
+    matrix = np.column_stack([np.ones_like(y), np.zeros_like(y), -y])
+    return np.linalg.lstsq(matrix, speeds * np.cos(angles), rcond=None)[0]
 
 
 BODY_TWIST = Exercise(
@@ -132,6 +141,16 @@ BODY_TWIST = Exercise(
             "The rows of the matrix and the components do not belong together: one goes a, a, …, "
             "b, b, …, the other a, b, a, b, ….",
             _twist(mixed=True),
+        ),
+        Mistake(
+            "all that lstsq gives",
+            "np.linalg.lstsq gives four things, and the solution is the first: [0] at its end.",
+            _twist(whole=True),
+        ),
+        Mistake(
+            "only forward rows",
+            "Half of the equations are missing: each module gives a row for a and a row for b.",
+            _forward_only,
         ),
     ),
 )

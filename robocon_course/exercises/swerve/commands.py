@@ -82,6 +82,23 @@ FIELD_TO_ROBOT = Exercise(
                 ]
             ),
         ),
+        Mistake(
+            "minus twice",
+            "Both sines have a minus, so this is no rotation: it changes the speed. Forward is "
+            "cos · vx + sin · vy.",
+            lambda twist, theta: np.array(
+                [
+                    np.cos(theta) * twist[0] - np.sin(theta) * twist[1],
+                    np.cos(theta) * twist[1] - np.sin(theta) * twist[0],
+                    twist[2],
+                ]
+            ),
+        ),
+        Mistake(
+            "unchanged",
+            "This returns the velocity as it came. That is right at heading 0 only.",
+            lambda twist, theta: np.array(twist),
+        ),
     ),
 )
 
@@ -94,6 +111,7 @@ def _discretize_cases(student: Student, rng: np.random.Generator) -> list[Case]:
         ("ahead, and turning left", [1.0, 0.0, 2.0], 0.1),
         ("ahead, and turning right", [1.0, 0.0, -2.0], 0.1),
         ("almost straight", [1.5, -0.3, 1e-8], 0.02),
+        ("a slow turn", [1.5, -0.3, 0.05], 0.1),
         ("a slow loop: a quarter turn within one step", [1.0, 0.5, np.pi], 0.5),
     ]
     cases = [(what, (np.array(twist), dt)) for what, twist, dt in named]
@@ -194,6 +212,39 @@ DISCRETIZE = Exercise(
             "dt ignored",
             "The angle is omega / 2, as if a step lasted a second: it is omega · dt / 2.",
             lambda twist, dt: swerve.discretize(twist, 1.0),
+        ),
+        Mistake(
+            "sinc without π",
+            "np.sinc(h) is sin(π h) / (π h): it brings a π of its own. sin(h)/h is "
+            "np.sinc(h / np.pi).",
+            _aimed(lambda half: -half, lambda half: 1.0 / np.sinc(half)),
+        ),
+        Mistake(
+            "whole angle, no arc",
+            "This aims off by the whole angle, and the arc is no longer than its chord. It is half "
+            "the angle, and times half / sin(half).",
+            _aimed(lambda half: -2.0 * half, lambda half: 1.0),
+        ),
+        Mistake(
+            "whole angle throughout",
+            "The whole angle stands where half of it belongs, in the direction and in the length.",
+            _aimed(lambda half: -2.0 * half, lambda half: _stretch(2.0 * half)),
+        ),
+        Mistake(
+            "turn rate stretched",
+            "omega is multiplied by half / sin(half), too. The turn rate is right as it came; only "
+            "forward and left change.",
+            lambda twist, dt: (
+                swerve.discretize(twist, dt) * [1.0, 1.0, _stretch(twist[2] * dt / 2.0)]
+            ),
+        ),
+        Mistake(
+            "slow turns left out",
+            "A slow turn is treated as none. It skews the command, too; only a turn so small that "
+            "nothing is left of it may be left out, or none at all: np.sinc needs no exception.",
+            lambda twist, dt: (
+                np.array(twist) if abs(twist[2]) < 0.1 else swerve.discretize(twist, dt)
+            ),
         ),
     ),
 )

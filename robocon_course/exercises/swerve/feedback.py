@@ -20,6 +20,7 @@ def _pose_feedback_cases(student: Student, rng: np.random.Generator) -> list[Cas
         ("behind the target, which stands", behind, there, 1.5),
         ("looking 20° to the other side of ±180°", [1.0, 2.0, 2.96], [1.0, 2.0, -2.97], 2.0),
         ("a robot that has turned twice", [1.0, 2.0, 4 * np.pi + 0.3], there, 1.0),
+        ("4 m from the target", [5.0, 1.5, 0.5], there, 1.0),
         ("behind a target that moves", behind, there, 1.5, [0.5, -0.2, 0.4]),
         ("right on a target that moves", there, there, 1.0, [1.0, 0.3, -0.7]),
     ]
@@ -54,6 +55,10 @@ def _feedback(
         return sign * gained(off, gain) + feed(np.array(feedforward), gain)
 
     return function
+
+
+def _late_wrap(error: np.ndarray, gain: float) -> np.ndarray:
+    return np.append(gain * error[:2], wrap_angle(gain * error[2]))
 
 
 POSE_FEEDBACK = Exercise(
@@ -116,6 +121,29 @@ POSE_FEEDBACK = Exercise(
             "heading not corrected",
             "The heading has an error, too: the third entry is missing.",
             _feedback(gained=lambda error, gain: gain * error * [1.0, 1.0, 0.0]),
+        ),
+        Mistake(
+            "gain for the place only",
+            "The heading's error is not multiplied by the gain. All three are.",
+            _feedback(gained=lambda error, gain: error * [gain, gain, 1.0]),
+        ),
+        Mistake(
+            "all three wrapped",
+            "x and y are wrapped like an angle: a target 4 m ahead seems to lie behind. Only the "
+            "heading is an angle.",
+            _feedback(gained=lambda error, gain: gain * wrap_angle(error)),
+        ),
+        Mistake(
+            "wrapped after the gain",
+            "The angle is wrapped after it was multiplied by the gain. Then it is a turn rate: "
+            "wrap the error itself.",
+            _feedback(wrapped=False, gained=_late_wrap),
+        ),
+        Mistake(
+            "distance for error",
+            "The error's sign is lost: the robot always drives the same way. Do not take absolute "
+            "values.",
+            _feedback(gained=lambda error, gain: gain * np.abs(error)),
         ),
     ),
 )

@@ -47,8 +47,8 @@ def _turned(
         to - now
     ),
     flips: Callable[[np.ndarray], np.ndarray] = lambda turn: np.abs(turn) > QUARTER,
-    half: float = np.pi,
-    sign: float = -1.0,
+    half: float = -np.pi,
+    flipped: Callable[[np.ndarray], np.ndarray] = lambda speeds: -speeds,
     from_now: bool = True,
 ) -> Callable[..., ModuleTargets]:
     """The shorter way with one of its steps done wrongly."""
@@ -59,7 +59,7 @@ def _turned(
         flip = flips(turn)
         turn = np.where(flip, turn + half, turn)
         return ModuleTargets(
-            np.where(flip, sign * speeds, speeds), np.asarray(angles) + turn if from_now else turn
+            np.where(flip, flipped(speeds), speeds), np.asarray(angles) + turn if from_now else turn
         )
 
     return function
@@ -95,7 +95,7 @@ SHORTEST_TURN = Exercise(
             "speed not reversed",
             "The angle is flipped by half a turn, the speed is not: the wheel drives the wrong "
             "way.",
-            _turned(sign=1.0),
+            _turned(flipped=lambda speeds: speeds),
         ),
         *(
             Mistake(
@@ -123,8 +123,15 @@ SHORTEST_TURN = Exercise(
         ),
         Mistake(
             "degrees",
-            "The turn is compared with 90. The angles are in radians: a quarter turn is π/2.",
+            "No module ever rolls backwards: the turn is compared with 90, or with half a turn. "
+            "The angles are in radians, and a quarter turn is π/2.",
             _turned(flips=lambda turn: np.abs(turn) > 90.0),
+        ),
+        Mistake(
+            "the command's sign lost",
+            "A module that flips always rolls backwards, even where the command rolls backwards "
+            "already. Reverse the speed: −targets.speeds.",
+            _turned(flipped=lambda speeds: -np.abs(speeds)),
         ),
         Mistake(
             "sign of the turn forgotten",
@@ -257,6 +264,34 @@ LIMIT_SPEEDS = Exercise(
             "upside down",
             "The factor is upside down: too fast a command becomes faster still.",
             _limited(lambda speeds, limit: max(_fastest(speeds), limit) / limit),
+        ),
+        Mistake(
+            "excess subtracted",
+            "The same is taken off every speed. Their ratio is lost, and with it the path: "
+            "multiply all of them by one factor.",
+            lambda targets, max_speed: ModuleTargets(
+                targets.speeds
+                - np.sign(targets.speeds) * max(0.0, _fastest(targets.speeds) - max_speed),
+                np.array(targets.angles),
+            ),
+        ),
+        Mistake(
+            "signs lost",
+            "The signs are lost: a wheel that rolls backwards must go on doing so.",
+            lambda targets, max_speed: ModuleTargets(
+                np.abs(swerve.limit_speeds(targets, max_speed).speeds), np.array(targets.angles)
+            ),
+        ),
+        Mistake(
+            "length of all speeds together",
+            "The root of all squares together is brought to the limit. Only the fastest wheel "
+            "counts.",
+            _limited(lambda speeds, limit: min(1.0, limit / max(np.linalg.norm(speeds), 1e-9))),
+        ),
+        Mistake(
+            "unchanged",
+            "This returns the targets as they came: too fast a wheel stays too fast.",
+            lambda targets, max_speed: targets,
         ),
     ),
 )

@@ -37,6 +37,7 @@ def _module_targets_cases(student: Student, rng: np.random.Generator) -> list[Ca
         ("a left turn on the spot", [0.0, 0.0, 1.0]),
         ("ahead, and turning left", [1.0, 0.0, 2.0]),
         ("no command: the modules keep their angles", [0.0, 0.0, 0.0]),
+        ("at a crawl, 2 mm/s", [0.001, -0.002, 0.0]),
         ("a turn about the front left module, which stands still", [-pivot[0], -pivot[1], 1.5]),
         ("the same, where rounding leaves 1e-17 m/s", [0.1645, -0.1645, 0.7]),
     ]
@@ -60,6 +61,7 @@ def _targets(
     place: Callable[[np.ndarray], np.ndarray] = lambda positions: positions,
     twist: Callable[..., tuple] = lambda vx, vy, omega: (vx, vy, omega),
     across: float = -1.0,
+    along: float = 1.0,
     angle: Callable[[np.ndarray, np.ndarray], np.ndarray] = np.arctan2,
     speed: Callable[[np.ndarray, np.ndarray], np.ndarray] = np.hypot,
     order: Callable[[np.ndarray], np.ndarray] = lambda row: row,
@@ -72,12 +74,17 @@ def _targets(
     ) -> swerve.ModuleTargets:
         x, y = place(np.asarray(drive, float)).T
         vx, vy, omega = twist(*command)
-        a, b = vx + across * omega * y, vy + omega * x
+        a, b = vx + across * omega * y, vy + along * omega * x
         still = np.hypot(a, b) < swerve.REST
-        if hold == "exact":
-            still = np.hypot(a, b) == 0.0
-        elif hold != "each":
-            still = np.full(len(x), hold == "all" and not np.any(command))
+        if hold != "each":
+            still = {
+                "crawl": np.hypot(a, b) < 0.01,
+                "exact": np.hypot(a, b) == 0.0,
+                "any": np.full(len(x), still.any()),
+                "all": np.full(len(x), not np.any(command)),
+                "no way": np.full(len(x), not np.any(command[:2])),
+                "never": np.full(len(x), False),
+            }[hold]
         with np.errstate(all="ignore"):
             speeds = np.where(still, 0.0, speed(a, b))
             angles = np.where(still, hold_angles, angle(b, a))
@@ -184,6 +191,28 @@ MODULE_TARGETS = Exercise(
             "Two modules got each other's command. The order is that of drive: front left, rear "
             "left, rear right, front right.",
             _targets(order=_swapped),
+        ),
+        Mistake(
+            "minus for plus",
+            "vy − omega · x should be vy + omega · x: in a left turn the front goes to the left.",
+            _targets(along=-1.0),
+        ),
+        Mistake(
+            "held in every turn on the spot",
+            "vx and vy alone decide whether a module stands still. In a turn on the spot both are "
+            "0 and all modules move: take each module's own speed.",
+            _targets(hold="no way"),
+        ),
+        Mistake(
+            "held angle, but speed 0 for all",
+            "When one module stands still, all of them do. Decide for each module by itself.",
+            _targets(hold="any"),
+        ),
+        Mistake(
+            "a crawl held",
+            "A module that moves slowly is taken for one that stands still. The limit is "
+            "swerve.REST, 0.1 mm/s.",
+            _targets(hold="crawl"),
         ),
     ),
 )
