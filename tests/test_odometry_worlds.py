@@ -12,7 +12,7 @@ from robocon_course import odometry, worlds
 from robocon_course.answers.process import AnswerProcess
 from robocon_course.autopilot import HEADINGS, Parts, dead_reckoning
 from robocon_course.exercises import registry
-from robocon_course.exercises.judge import judge_answer, judge_number
+from robocon_course.exercises.judge import ask_function, judge, judge_answer, judge_number
 from robocon_course.exercises.source import Answer
 from robocon_course.robot import DEAD_WHEELS
 
@@ -307,6 +307,20 @@ def test_a_right_answer_in_another_style_passes(exercise_id):
     with AnswerProcess() as process:
         verdict = judge_answer(process, exercise, answer, 4711)
     assert verdict.points == exercise.points, verdict.message
+
+
+def test_on_a_robot_exactly_as_drawn_the_drawing_is_right_and_nowhere_else():
+    """The case must not refuse for a rounded count what its name calls right."""
+    exercise = registry.exercise("odometry.calibrate_wheels")
+    verdict = judge(exercise, ask_function(lambda wheels, *counts: wheels), 7)
+    assert verdict.finding.case.what == "your own robot" and verdict.mistake == "unchanged"
+
+
+def test_a_step_seen_from_its_beginning_is_told_before_any_wrap():
+    exercise = registry.exercise("odometry.body_velocity")
+    mistake = next(m for m in exercise.mistakes if m.name == "start heading, right arc")
+    verdict = judge(exercise, ask_function(mistake.function), 7)
+    assert verdict.finding.case.what == "a left turn, half a radian in each step"
 
 
 SHORTCUTS = {

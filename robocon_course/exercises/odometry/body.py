@@ -40,7 +40,8 @@ def _body_deltas_cases(student: Student, rng: np.random.Generator) -> list[Case]
         ("four wheels that do not quite agree", (four, noisy)),
         ("the same with a gyroscope's heading", (four, noisy, gyro)),
         ("the left wheel slips, the gyroscope does not", (own, slipped, gyro)),
-        ("a heading that passes ±180°", (own, slipped, geometry.wrap_angle(across))),
+        ("a heading that passes ±180° to the left", (own, slipped, geometry.wrap_angle(across))),
+        ("a heading that passes ±180° to the right", (own, slipped, geometry.wrap_angle(-across))),
     ]
     return [Case(what, args, "m, m, rad", MICROMETRE) for what, args in named]
 
@@ -82,6 +83,12 @@ def _with_yaw(
 
 def _turns(yaw: np.ndarray) -> np.ndarray:
     return geometry.wrap_angle(np.diff(yaw))
+
+
+def one_way(yaw: np.ndarray, sign: float) -> np.ndarray:
+    """Differences of headings, mended only where ±180° is passed to the left (1) or right (-1)."""
+    turned = np.diff(yaw)
+    return np.where(sign * turned < -np.pi, turned + sign * 2 * np.pi, turned)
 
 
 def _changed(change: Callable[[np.ndarray], np.ndarray]) -> Answer:
@@ -239,6 +246,15 @@ BODY_DELTAS = Exercise(
             "Mean and difference of left and right are the answer for two wheels equally far from "
             "the centre. Solve with the wheel matrix, and any number of wheels anywhere will do.",
             _left_right_rear,
+        ),
+        *(
+            Mistake(
+                f"wraps {words} turns only",
+                "The difference of headings is mended where ±180° is passed one way, but not the "
+                "other way. Mend both: above π and below −π.",
+                _with_yaw(lambda yaw, sign=sign: one_way(yaw, sign)),
+            )
+            for words, sign in (("left", 1.0), ("right", -1.0))
         ),
     ),
 )

@@ -24,6 +24,8 @@ def _tick_changes_cases(student: Student, rng: np.random.Generator) -> list[Case
         ("there and back, past the end", walk % 65536, 16),
         ("a signed counter, from 32767 to -32768", [[32760, 0, -5], [-32766, 3, -9]], 16),
         ("a counter of 12 bits", [[4090, 2, 300], [5, 4091, 310]], 12),
+        ("half the range, almost", [[1000, 31000, 5], [31000, 1000, 10]], 16),
+        ("half the range of 12 bits, almost", [[50, 2050, 9], [2050, 50, 4]], 12),
         ("your own square", square[1000:1200], worlds.BITS),
     ]
     return [Case(what, (np.array(counters), bits), "counts", 0.0) for what, counters, bits in named]
@@ -40,6 +42,12 @@ def _one_way(counters: np.ndarray, bits: int, *, up: bool) -> np.ndarray:
     if up:
         return np.where(changes < -half, changes + whole, changes)
     return np.where(changes > half, changes - whole, changes)
+
+
+def _beyond(limit: int, counters: np.ndarray, bits: int) -> np.ndarray:
+    """Every change beyond a fixed limit is taken for a run past the end."""
+    changes = np.diff(counters, axis=0)
+    return np.where(np.abs(changes) > limit, changes - np.sign(changes) * (1 << bits), changes)
 
 
 TICK_CHANGES = Exercise(
@@ -124,6 +132,12 @@ TICK_CHANGES = Exercise(
             lambda counters, bits: (
                 (np.diff(counters, axis=0) + (2 ^ bits) // 2) % (2 ^ bits) - (2 ^ bits) // 2
             ),
+        ),
+        Mistake(
+            "a fixed limit",
+            "A fixed number of counts decides whether a counter ran past its end. A faster wheel "
+            "breaks it. Half the range decides: that change is nearest to 0.",
+            lambda counters, bits: _beyond(1000, counters, bits),
         ),
     ),
 )

@@ -8,6 +8,7 @@ import numpy as np
 
 from robocon_course import geometry, odometry
 from robocon_course.exercises.model import Case, Exercise, Mistake
+from robocon_course.exercises.odometry.body import one_way
 from robocon_course.exercises.odometry.poses import MICROMETRE, Answer, chord_share
 from robocon_course.worlds import Student
 
@@ -29,7 +30,8 @@ def _body_velocity_cases(student: Student, rng: np.random.Generator) -> list[Cas
         ("to the right", drive([[0.0, -0.5, 0.0]] * 3, 0.05, (0, 0, -2.0)), 0.05),
         ("on the spot, clockwise", drive([[0.0, 0.0, -2.0]] * 3, 0.05), 0.05),
         ("a left turn, half a radian in each step", drive([[1.0, 0.0, 1.0]] * 4, 0.5), 0.5),
-        ("the heading passes ±180°", passing, 0.05),
+        ("the heading passes ±180° to the left", passing, 0.05),
+        ("the heading passes ±180° to the right", passing * [1.0, -1.0, -1.0], 0.05),
         ("a tight curve, seldom sampled", drive([[1.0, 0.2, 3.0]] * 4, 0.5), 0.5),
         ("a fast turn", drive([[0.5, 0.1, -5.0]] * 4, 0.1), 0.1),
         ("a wild drive", drive(wild, 0.1, (0.5, -1.0, 2.0)), 0.1),
@@ -196,6 +198,15 @@ BODY_VELOCITY = Exercise(
             "The step is seen from the heading at its beginning; its chord points along the "
             "heading halfway. And where the heading passes ±180° the turn has to be wrapped.",
             _velocity(0.0, longer=np.ones_like, turn=np.diff),
+        ),
+        *(
+            Mistake(
+                f"wraps {words} turns only",
+                "The difference of headings is mended where ±180° is passed one way, but not the "
+                "other way. Mend both: above π and below −π.",
+                _velocity(0.5, turn=lambda yaw, sign=sign: one_way(yaw, sign)),
+            )
+            for words, sign in (("left", 1.0), ("right", -1.0))
         ),
     ),
 )

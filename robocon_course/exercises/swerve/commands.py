@@ -30,7 +30,7 @@ def _field_to_robot_cases(student: Student, rng: np.random.Generator) -> list[Ca
     for _ in range(5):
         twist, theta = rng.uniform(-2.0, 2.0, 3).round(3), round(rng.uniform(-3.0, 3.0), 3)
         cases.append(("any velocity, any heading", twist, theta))
-    return [Case(what, (twist, theta), "m/s") for what, twist, theta in cases]
+    return [Case(what, (twist, theta), "m/s, m/s, rad/s") for what, twist, theta in cases]
 
 
 FIELD_TO_ROBOT = Exercise(
@@ -112,6 +112,7 @@ def _discretize_cases(student: Student, rng: np.random.Generator) -> list[Case]:
         ("ahead, and turning right", [1.0, 0.0, -2.0], 0.1),
         ("almost straight", [1.5, -0.3, 1e-8], 0.02),
         ("a slow turn", [1.5, -0.3, 0.05], 0.1),
+        ("a turn of 0.5 rad/s", [-1.2, 0.8, 0.5], 0.1),
         ("a slow loop: a quarter turn within one step", [1.0, 0.5, np.pi], 0.5),
     ]
     cases = [(what, (np.array(twist), dt)) for what, twist, dt in named]
@@ -121,7 +122,7 @@ def _discretize_cases(student: Student, rng: np.random.Generator) -> list[Case]:
         )
         cases.append(("any command", (twist.round(3), float(rng.choice([0.01, 0.02, 0.05, 0.1])))))
     # Students divide by tan or sin of a small angle; what that costs is no mistake.
-    return [Case(what, args, "m/s", 1e-7) for what, args in cases]
+    return [Case(what, args, "m/s, m/s, rad/s", 1e-7) for what, args in cases]
 
 
 def _aimed(
@@ -141,6 +142,15 @@ def _aimed(
 def _stretch(half: float) -> float:
     """How much longer an arc is than its chord."""
     return 1.0 / np.sinc(half / np.pi)
+
+
+def _left_out(limit: float) -> Callable[..., np.ndarray]:
+    """Turns slower than a limit are taken for none."""
+
+    def function(twist: np.ndarray, dt: float) -> np.ndarray:
+        return np.array(twist) if abs(twist[2]) < limit else swerve.discretize(twist, dt)
+
+    return function
 
 
 DISCRETIZE = Exercise(
@@ -238,13 +248,14 @@ DISCRETIZE = Exercise(
                 swerve.discretize(twist, dt) * [1.0, 1.0, _stretch(twist[2] * dt / 2.0)]
             ),
         ),
-        Mistake(
-            "slow turns left out",
-            "A slow turn is treated as none. It skews the command, too; only a turn so small that "
-            "nothing is left of it may be left out, or none at all: np.sinc needs no exception.",
-            lambda twist, dt: (
-                np.array(twist) if abs(twist[2]) < 0.1 else swerve.discretize(twist, dt)
-            ),
+        *(
+            Mistake(
+                f"turns below {limit} rad/s left out",
+                "A slow turn is treated as none. It skews the command, too. np.sinc needs no "
+                "exception at all.",
+                _left_out(limit),
+            )
+            for limit in (0.1, 1)
         ),
     ),
 )

@@ -30,7 +30,7 @@ def _pose_feedback_cases(student: Student, rng: np.random.Generator) -> list[Cas
     for _ in range(5):
         pose, target, velocity = rng.uniform(-3.0, 3.0, (3, 3)).round(3)
         cases.append(("anywhere", pose, target, round(rng.uniform(0.5, 4.0), 2), velocity))
-    return [Case(what, tuple(args), "m/s") for what, *args in cases]
+    return [Case(what, tuple(args), "m/s, m/s, rad/s") for what, *args in cases]
 
 
 def _feedback(

@@ -21,6 +21,7 @@ def _shortest_turn_cases(student: Student, rng: np.random.Generator) -> list[Cas
         ("all are there already", [20, -50, 130, 5], [20, -50, 130, 5]),
         ("80° to turn: that is the shorter way", [80, 10, -80, -30], [0, 90, 0, 50]),
         ("100° to turn: backwards is nearer", [100, -10, -100, -50], [0, 90, 0, 50]),
+        ("89° and 91° to turn", [89, -89, 91, -91], [0, 0, 0, 0]),
         ("from ahead to back", [180, 0, 175, -5], [0, 180, 3, 170]),
         ("across ±180°: 20° to turn", [-170, 170, -175, 100], [170, -170, 165, 90]),
         ("only one module has far to go", [0, 0, 150, 0], [5, 5, 5, 5]),
@@ -240,8 +241,8 @@ LIMIT_SPEEDS = Exercise(
         ),
         Mistake(
             "divides by zero at rest",
-            "At rest the fastest wheel has speed 0, and 0/0 is NaN. A command that is slow enough "
-            "must stay as it is.",
+            "A command that is slow enough must stay as it is: the factor is at most 1. And at "
+            "rest this divides 0 by 0, which is NaN.",
             _limited(lambda speeds, limit: limit / _fastest(speeds)),
         ),
         Mistake(

@@ -38,6 +38,8 @@ def _module_targets_cases(student: Student, rng: np.random.Generator) -> list[Ca
         ("ahead, and turning left", [1.0, 0.0, 2.0]),
         ("no command: the modules keep their angles", [0.0, 0.0, 0.0]),
         ("at a crawl, 2 mm/s", [0.001, -0.002, 0.0]),
+        ("just above rest, 0.15 mm/s", [1.5e-4, 0.0, 0.0]),
+        ("just below rest, 0.05 mm/s", [0.0, -5e-5, 0.0]),
         ("a turn about the front left module, which stands still", [-pivot[0], -pivot[1], 1.5]),
         ("the same, where rounding leaves 1e-17 m/s", [0.1645, -0.1645, 0.7]),
     ]
