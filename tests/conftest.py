@@ -10,6 +10,30 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 
 
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """A campaign that takes no sample of itself waits for ``-m campaign``."""
+    if asked_for_campaigns(config):
+        return
+    waiting = [
+        item
+        for item in items
+        if item.get_closest_marker("campaign") and "whole" not in getattr(item, "fixturenames", ())
+    ]
+    config.hook.pytest_deselected(items=waiting)
+    items[:] = [item for item in items if item not in waiting]
+
+
+def asked_for_campaigns(config: pytest.Config) -> bool:
+    """Whether the long runs are to be run whole."""
+    return "campaign" in config.option.markexpr
+
+
+@pytest.fixture
+def whole(request: pytest.FixtureRequest) -> bool:
+    """Whether a campaign runs whole; else it takes a sample of itself."""
+    return asked_for_campaigns(request.config)
+
+
 def missing(what: str) -> None:
     """Skip with the reason; on the build server a missing thing is a failure."""
     if os.environ.get("CI") == "true":

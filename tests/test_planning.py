@@ -134,8 +134,7 @@ def test_astar_finds_ways_as_short_as_dijkstra_does(task, cut_corners, heuristic
 
 
 @pytest.mark.campaign
-def test_astar_agrees_with_dijkstra_on_random_maps(request):
-    whole = "campaign" in request.config.option.markexpr
+def test_astar_agrees_with_dijkstra_on_random_maps(whole):
     rng = np.random.default_rng(4)
     for _ in range(500 if whole else 25):
         free = rng.random(rng.integers(1, 41, 2)) > rng.uniform(0.0, 0.45)

@@ -85,8 +85,7 @@ def test_mended_plans_are_as_short_as_new_ones(seed, cut_corners):
 
 
 @pytest.mark.campaign
-def test_mended_plans_stay_as_short_over_long_drives(request):
-    whole = "campaign" in request.config.option.markexpr
+def test_mended_plans_stay_as_short_over_long_drives(whole):
     for seed in range(40 if whole else 2):
         rng = np.random.default_rng(seed)
         free = rng.random((60, 60)) > 0.2
