@@ -18,7 +18,7 @@ from robocon_course import geometry, odometry, simulator, worlds
 from robocon_course.autopilot import dead_reckoning
 from robocon_course.exercises import answer, begin, check, robot_parts, status
 from robocon_course.robot import DEAD_WHEELS
-from robocon_course.view import RobotPicture, animate, explore, figure, pictures, plots, show
+from robocon_course.view import animate, explore, figure, pictures, plots, show
 
 student = begin("odometry", student=None)  # None: the number you gave in chapter 00
 world = worlds.odometry_world(student)
@@ -843,9 +843,7 @@ early = slice(0, len(rough.poses) // 2)
 paths = {"truth": rough.poses[early], "reference": by_course[0][early]}
 paths |= {"mine": by_mine[0][early]} if my_parts.mine else {}
 show(
-    plots.draw_field(
-        paths, RobotPicture(rough.poses[early][-1], colour=plots.TRUTH), window=(0, 6, 0, 4)
-    ),
+    plots.draw_field(paths, window=(0, 6, 0, 4)),
     f"The first half of the degraded drive. The heading holds within {np.abs(by_course[2]).max():.2f}°, but wheels that do "
     f"not count leave the position {by_course[1][early][-1]:.2f} m off on the course's parts, "
     f"{by_mine[1][early][-1]:.2f} m on yours ({my_parts.label}).",
@@ -858,7 +856,8 @@ show(
 # %% [markdown]
 # ## 14. Three minutes: who should say the heading?
 #
-# One match, 180 s, with bumps. The same wheels, four ways to a heading:
+# One match, 180 s, with bumps; the simulator takes some seconds for it. The same wheels, four ways
+# to a heading:
 #
 # - **wheels**: from the difference of left and right;
 # - **gyro, raw**: from the gyroscope as it is;
