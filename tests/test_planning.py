@@ -263,6 +263,15 @@ def test_a_better_estimate_looks_at_fewer_cells():
     assert cells == sorted(cells) and len(set(cells)) == 4
 
 
+@pytest.mark.parametrize("goal", [(199, 60), (60, 199), (199, 199), (0, 199)])
+def test_on_an_empty_map_the_search_hardly_leaves_the_way(goal):
+    """Thousands of ways are equally short; it must not look at all of them."""
+    grid = GridMap(np.ones((200, 200), dtype=bool), 1.0)
+    for start, end in (((0, 0), goal), (goal, (0, 0))):
+        plan = astar(grid, *grid.centres([start, end]))
+        assert plan.expanded < 2 * len(plan.cells)
+
+
 def test_anytime_search_tells_a_bound_that_falls_to_one():
     grid = inflate(field.obstacle_map(0.05), RADIUS)
     attempts = list(anytime_astar(grid, START, GOAL, weights=(5.0, 2.5, 1.5, 1.0)))
@@ -451,6 +460,8 @@ def test_a_line_that_touches_an_obstacle_is_no_line_of_sight(end, seen):
 
 def test_a_line_along_an_obstacles_side_touches_it():
     grid = drawn(".... .... .#.. ....")
+    assert not line_of_sight(grid, [1.5, 0.5], [1.5, 2.5]), "straight up, through it"
+    assert not line_of_sight(grid, [1.5, 2.5], [1.5 + 1e-7, 0.5])
     assert not line_of_sight(grid, [0.0, 1.0], [3.0, 1.0])
     assert not line_of_sight(grid, [2.0, 0.0], [2.0, 3.0])
     assert line_of_sight(grid, [0.1, 0.9999], [3.0, 0.9999])

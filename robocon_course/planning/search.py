@@ -215,7 +215,9 @@ def search(mark, width, ends, rules, cost, order, top, pool):
         row, col = divmod(cell, width)
         came = int(mark[cell]) - STEP
         prune = not once and cell != start
-        for turn in range(-2, 3) if cell != start else range(-4, 4):
+        for i in range(-3 if cell == start else 0, 5):
+            # ... -2, 2, -1, 1, 0: what comes last is taken up first, so it goes straight on
+            turn = 2 - (i >> 1) if i & 1 else (i >> 1) - 2
             k = (came + turn) & 7
             if prune and is_needless(mark, width, cell, came, turn, cut_corners):
                 continue
