@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -79,3 +82,25 @@ def as_vectors(value: ArrayLike, name: str, size: int) -> FloatArray:
     """
     leading = (None,) * (np.ndim(value) - 1)
     return as_floats(value, name, *leading, size, finite=False)
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """A copy of an array that nobody can write to."""
+    array = array.copy()
+    array.flags.writeable = False
+    return array
+
+
+def freeze_arrays(record: Any) -> None:
+    """Put read-only copies in the place of all arrays of a frozen dataclass.
+
+    As its ``__post_init__``: "frozen" alone keeps the names, not what the arrays hold.
+
+    Parameters
+    ----------
+    record : instance of a dataclass
+    """
+    for field in fields(record):
+        value = getattr(record, field.name)
+        if isinstance(value, np.ndarray):
+            object.__setattr__(record, field.name, frozen(value))

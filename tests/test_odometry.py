@@ -108,8 +108,9 @@ def test_counters_of_several_wheels_and_of_narrow_types():
         ([1.5, 2.0], 16, "counters: expected whole numbers.*float64.*astype"),
         (7, 16, r"counters: expected whole numbers.*shape \(\)"),
         (np.zeros((0, 3), dtype=int), 16, "counters: expected at least one reading"),
-        ([1, 2], 0, "bits: expected 1 to 64, got 0"),
-        ([1, 2], 65, "bits: expected 1 to 64, got 65"),
+        ([1, 2], 0, "bits: expected a whole number from 1 to 64, got 0"),
+        ([1, 2], 65, "bits: expected a whole number from 1 to 64, got 65"),
+        ([1, 2], "16", "bits: expected a whole number from 1 to 64, got '16'"),
     ],
 )
 def test_readings_that_are_no_counter_are_refused(counters, bits, sentence):

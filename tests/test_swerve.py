@@ -287,8 +287,9 @@ def test_a_drive_keeps_its_own_copy_of_the_positions():
     drive = swerve.SwerveDrive(positions)
     positions[:] = 0.0
     assert np.array_equal(drive.positions, MODULES)
-    with pytest.raises(ValueError, match="read-only"):
-        drive.positions[0, 0] = 1.0
+    for array in (drive.positions, drive.matrix, drive.solver):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0, 0] = 1.0
     assert drive.matrix[:4].tolist() == [[1.0, 0.0, -y] for y in MODULES[:, 1]]
     assert drive.matrix[4:].tolist() == [[0.0, 1.0, x] for x in MODULES[:, 0]]
 
@@ -575,6 +576,11 @@ def test_follow_equals_the_loop_without_modules(target, feedforward):
     expected = naive_follow([0.3, -0.2, 1.0], slow, 1.5, 0.02, 400, feedforward)
     np.testing.assert_allclose(run.poses, expected, rtol=0.0, atol=1e-9)
     assert np.array_equal(run.targets, slow(run.time).pose)
+
+
+def test_a_step_that_does_not_divide_the_duration_ends_at_the_nearest_instant():
+    run = swerve.follow(MODULES, [0.0, 0.0, 0.0], [3.0, 6.0, 0.0], 0.5, dt=0.3, duration=1.0)
+    assert run.time == pytest.approx([0.0, 0.3, 0.6, 0.9])
 
 
 def test_the_error_to_a_still_target_fades_by_the_same_share_in_every_step():

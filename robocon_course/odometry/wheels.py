@@ -20,7 +20,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robocon_course._arrays import FloatArray, as_floats
+from robocon_course._arrays import FloatArray, as_floats, frozen
 from robocon_course.drivetrain import wheel_matrix
 
 WELL_POSED = 1e-6  # smallest singular value of a wheel matrix beside its largest
@@ -67,32 +67,32 @@ class TrackingWheels:
             "radius": radius,
         }
         for name, value in checked.items():
-            object.__setattr__(self, name, _frozen(value))
+            object.__setattr__(self, name, frozen(value))
 
     @cached_property
     def metres_per_tick(self) -> FloatArray:
         """How far each wheel rolls from one count to the next, shape (n,) [m]."""
-        return _frozen(2.0 * np.pi * self.radius / self.ticks_per_turn)
+        return frozen(2.0 * np.pi * self.radius / self.ticks_per_turn)
 
     @cached_property
     def matrix(self) -> FloatArray:
         """Wheel travel = matrix @ (forward, left, turn); shape (n, 3)."""
-        return _frozen(wheel_matrix(self.positions, self.directions))
+        return frozen(wheel_matrix(self.positions, self.directions))
 
     @cached_property
     def solver(self) -> FloatArray:
         """(forward, left, turn) = solver @ travel in the least-squares sense; shape (3, n)."""
-        return _frozen(self._inverse(3)[:, : len(self.radius)])
+        return frozen(self._inverse(3)[:, : len(self.radius)])
 
     @cached_property
     def shift_solver(self) -> FloatArray:
         """(forward, left) = shift_solver @ travel + shift_per_turn * turn; shape (2, n)."""
-        return _frozen(self._inverse(2)[:, : len(self.radius)])
+        return frozen(self._inverse(2)[:, : len(self.radius)])
 
     @cached_property
     def shift_per_turn(self) -> FloatArray:
         """What a turn known from elsewhere takes off the wheels' travel; shape (2,) [m]."""
-        return _frozen(-self._inverse(2) @ self._constraints[:, 2])
+        return frozen(-self._inverse(2) @ self._constraints[:, 2])
 
     @cached_property
     def _constraints(self) -> FloatArray:
@@ -134,7 +134,7 @@ def tick_changes(counters: ArrayLike, bits: int = 64) -> NDArray[np.int64]:
     Raises
     ------
     ValueError
-        Not whole numbers, no readings, or bits outside 1..64.
+        Not whole numbers, no readings, or bits that are no whole number from 1 to 64.
 
     Examples
     --------
@@ -149,8 +149,8 @@ def tick_changes(counters: ArrayLike, bits: int = 64) -> NDArray[np.int64]:
         )
     if not len(counters):
         raise ValueError("counters: expected at least one reading, got none")
-    if not 1 <= bits <= 64:
-        raise ValueError(f"bits: expected 1 to 64, got {bits}")
+    if not isinstance(bits, int | np.integer) or not 1 <= bits <= 64:
+        raise ValueError(f"bits: expected a whole number from 1 to 64, got {bits!r}")
     changes = np.diff(counters.astype(np.uint64), axis=0)  # wraps around at 64 bits, as it should
     unused = np.uint64(64 - bits)
     return (changes << unused).view(np.int64) >> np.int64(unused)  # the sign moves down again
@@ -183,9 +183,3 @@ def wheel_travel(wheels: TrackingWheels, ticks: ArrayLike) -> FloatArray:
     """
     leading = (None,) * (np.ndim(ticks) - 1)
     return as_floats(ticks, "ticks", *leading, len(wheels.radius)) * wheels.metres_per_tick
-
-
-def _frozen(array: FloatArray) -> FloatArray:
-    array = array.copy()
-    array.flags.writeable = False
-    return array

@@ -170,7 +170,8 @@ def follow(
     Returns
     -------
     Following
-        duration / dt + 1 rows.
+        duration / dt + 1 rows, rounded: where dt does not divide the duration, the last step ends
+        at the nearest multiple of dt, 0.3 s and 1 s at 0.9 s.
 
     Raises
     ------

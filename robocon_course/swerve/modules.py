@@ -23,7 +23,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
 
-from robocon_course._arrays import FloatArray, as_floats
+from robocon_course._arrays import FloatArray, as_floats, frozen
 from robocon_course.drivetrain import wheel_matrix
 from robocon_course.geometry import wrap_angle
 
@@ -51,26 +51,25 @@ class SwerveDrive:
     positions: ArrayLike
 
     def __post_init__(self) -> None:
-        positions = as_floats(self.positions, "positions", None, 2).copy()
+        positions = as_floats(self.positions, "positions", None, 2)
         if len(positions) < 2 or np.ptp(positions, axis=0).max() < APART:
             raise ValueError(
                 "positions: a swerve drive needs two modules in different places, "
                 f"got {positions.tolist()}"
             )
-        positions.flags.writeable = False
-        object.__setattr__(self, "positions", positions)
+        object.__setattr__(self, "positions", frozen(positions))
 
     @cached_property
     def matrix(self) -> FloatArray:
         """(m forward components, m left components) = matrix @ twist; shape (2 m, 3)."""
         twice = np.tile(self.positions, (2, 1))
         directions = np.repeat([0.0, np.pi / 2], len(self.positions))
-        return wheel_matrix(twice, directions).round(15)  # cos(pi / 2) is 6e-17 in floats
+        return frozen(wheel_matrix(twice, directions).round(15))  # cos(pi / 2) is 6e-17
 
     @cached_property
     def solver(self) -> FloatArray:
         """twist = solver @ components, the least squares; shape (3, 2 m)."""
-        return np.linalg.pinv(self.matrix)
+        return frozen(np.linalg.pinv(self.matrix))
 
 
 Drive = SwerveDrive | ArrayLike

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robocon_course._arrays import FloatArray
+from robocon_course._arrays import FloatArray, freeze_arrays
 from robocon_course.geometry import wrap_angle
 from robocon_course.odometry import TrackingWheels
 from robocon_course.robot import DEAD_WHEELS, MAX_SPEED, MODULES, Command, Observation
@@ -62,6 +62,8 @@ class DriveLog:
     poses: FloatArray
     wheels: TrackingWheels
     rest: int
+
+    __post_init__ = freeze_arrays
 
     @property
     def time(self) -> FloatArray:

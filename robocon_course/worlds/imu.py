@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robocon_course._arrays import FloatArray
+from robocon_course._arrays import FloatArray, freeze_arrays, frozen
 from robocon_course.imu import attitude_from_accel
 from robocon_course.simulator import sensors
 from robocon_course.simulator.sensors import ImuErrors, imu_measurements
@@ -47,6 +47,8 @@ class ImuWorld:
     truth: FloatArray
     dt: float = DT
 
+    __post_init__ = freeze_arrays
+
 
 def own_imu(student: Student, *purpose: str) -> ImuErrors:
     """The errors of one student's IMU: larger than a good sensor's, so that they can be found."""
@@ -56,9 +58,9 @@ def own_imu(student: Student, *purpose: str) -> ImuErrors:
         size = rng.uniform(0.15, 0.5, 3)
     bias = np.radians(size * rng.choice([-1.0, 1.0], 3))
     return ImuErrors(
-        gyro_bias=bias,
-        accel_bias=rng.uniform(0.05, 0.25, 3) * rng.choice([-1.0, 1.0], 3),
-        accel_scale=1.0 + rng.uniform(-0.025, 0.025, 3),
+        gyro_bias=frozen(bias),
+        accel_bias=frozen(rng.uniform(0.05, 0.25, 3) * rng.choice([-1.0, 1.0], 3)),
+        accel_scale=frozen(1.0 + rng.uniform(-0.025, 0.025, 3)),
     )
 
 
@@ -106,6 +108,8 @@ class Rung:
     gyro: FloatArray
     accel: FloatArray
     truth: FloatArray
+
+    __post_init__ = freeze_arrays
 
 
 PERFECT = ImuErrors(

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robocon_course._arrays import FloatArray
+from robocon_course._arrays import FloatArray, freeze_arrays
 from robocon_course.geometry import wrap_angle
 from robocon_course.robot import MODULES
+from robocon_course.simulator.sensors import SensorModel
 from robocon_course.swerve import module_targets
 from robocon_course.worlds.student import Student, generator
 
 STEP = 0.02  # s between two rows of a log
-ANGLE_STEP = 2.0 * np.pi / 4096  # what an absolute encoder of 12 bits resolves
 SPEED_NOISE = 0.04  # m/s
 ANGLE_NOISE = np.radians(0.8)
 
@@ -45,6 +45,8 @@ class SwerveWorld:
     twists: FloatArray
     speeds: FloatArray
     angles: FloatArray
+
+    __post_init__ = freeze_arrays
 
 
 @functools.lru_cache(maxsize=4)
@@ -85,6 +87,8 @@ class SlipLog:
     angles: FloatArray
     slipping: NDArray[np.intp]
 
+    __post_init__ = freeze_arrays
+
 
 def slip_log(rng: np.random.Generator, rows: int = 600) -> SlipLog:
     """Twelve seconds on a floor with wet spots, one every second and a half or so."""
@@ -119,5 +123,6 @@ def encoders(
     targets = module_targets(MODULES, twists, np.zeros(4))
     speeds = targets.speeds + rng.normal(0.0, SPEED_NOISE, targets.speeds.shape)
     angles = targets.angles + offsets + rng.normal(0.0, ANGLE_NOISE, targets.angles.shape)
-    counts = np.round(wrap_angle(angles) / ANGLE_STEP)
-    return np.round(speeds, 3), np.where(counts == 2048, -2048, counts) * ANGLE_STEP
+    counts = np.round(wrap_angle(angles) / SensorModel.angle_step)
+    counts = np.where(counts == 2048, -2048, counts)
+    return np.round(speeds, 3), counts * SensorModel.angle_step

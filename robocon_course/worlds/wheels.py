@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robocon_course._arrays import FloatArray
+from robocon_course._arrays import FloatArray, freeze_arrays
 from robocon_course.geometry import quaternion_from_euler
-from robocon_course.odometry import TrackingWheels, integrate
+from robocon_course.odometry import TrackingWheels, integrate, tick_changes
 from robocon_course.simulator.sensors import ImuErrors, imu_measurements
 from robocon_course.worlds.robot import LEFT, RIGHT, own_wheels
 from robocon_course.worlds.student import Student, generator
@@ -51,6 +51,8 @@ class WheelLog:
     counters: NDArray[np.int64]
     poses: FloatArray
     dt: float = SAMPLE
+
+    __post_init__ = freeze_arrays
 
     @property
     def distance(self) -> FloatArray:
@@ -193,6 +195,8 @@ class RoughDrive:
     poses: FloatArray
     dt: float = SAMPLE
 
+    __post_init__ = freeze_arrays
+
 
 def rough_drive_log(rng: np.random.Generator, duration: float = 40.0) -> RoughDrive:
     """A drive with a lost encoder, a slipping wheel, and gaps in a biased gyroscope.
@@ -225,8 +229,7 @@ def rough_drive_log(rng: np.random.Generator, duration: float = 40.0) -> RoughDr
         else:
             heard[when] = False
     log = wheel_log(legs, wheels, rng, grip=grip)
-    ticks = np.diff(log.counters, axis=0)
-    ticks = (ticks + (1 << BITS - 1)) % (1 << BITS) - (1 << BITS - 1)
+    ticks = tick_changes(log.counters, BITS)
     bias = np.radians(rng.uniform(0.2, 0.5) * rng.choice([-1.0, 1.0]))
     gyro = gyro_of(log.poses[:, 2], ImuErrors(gyro_bias=(0.0, 0.0, bias)), rng, log.dt)
     return RoughDrive(wheels, ticks, np.where(heard, gyro, np.nan), log.poses)
