@@ -147,8 +147,8 @@ def module_targets(drive, twist, hold_angles):
     speeds, angles = [], []
     for (x, y), held in zip(drive, hold_angles):
         v = complex(twist[0], twist[1]) + 1j * twist[2] * complex(x, y)
-        speeds.append(abs(v) if abs(v) > 1e-6 else 0.0)
-        angles.append(cmath.phase(v) % (2 * math.pi) if abs(v) > 1e-6 else held)
+        speeds.append(abs(v) if abs(v) >= swerve.REST else 0.0)
+        angles.append(cmath.phase(v) % (2 * math.pi) if speeds[-1] else held)
     return swerve.ModuleTargets(speeds, angles)
 """,
     "swerve.shortest_turn": """

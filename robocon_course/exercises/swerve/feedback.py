@@ -21,6 +21,7 @@ def _pose_feedback_cases(student: Student, rng: np.random.Generator) -> list[Cas
         ("looking 20° to the other side of ±180°", [1.0, 2.0, 2.96], [1.0, 2.0, -2.97], 2.0),
         ("a robot that has turned twice", [1.0, 2.0, 4 * np.pi + 0.3], there, 1.0),
         ("4 m from the target", [5.0, 1.5, 0.5], there, 1.0),
+        ("looking 2 rad too far to the left", [1.0, 2.0, 2.5], there, 2.5),
         ("behind a target that moves", behind, there, 1.5, [0.5, -0.2, 0.4]),
         ("right on a target that moves", there, there, 1.0, [1.0, 0.3, -0.7]),
     ]

@@ -80,6 +80,7 @@ def _targets(
         still = np.hypot(a, b) < swerve.REST
         if hold != "each":
             still = {
+                "less": np.hypot(a, b) < 1e-6,
                 "crawl": np.hypot(a, b) < 0.01,
                 "exact": np.hypot(a, b) == 0.0,
                 "any": np.full(len(x), still.any()),
@@ -209,6 +210,12 @@ MODULE_TARGETS = Exercise(
             "held angle, but speed 0 for all",
             "When one module stands still, all of them do. Decide for each module by itself.",
             _targets(hold="any"),
+        ),
+        Mistake(
+            "a limit below REST",
+            "The limit between still and moving is smaller than swerve.REST, 0.1 mm/s. Below that a "
+            "module counts as still: speed 0, and its angle from hold_angles.",
+            _targets(hold="less"),
         ),
         Mistake(
             "a crawl held",
