@@ -213,8 +213,8 @@ MODULE_TARGETS = Exercise(
         ),
         Mistake(
             "a limit below REST",
-            "The limit between still and moving is smaller than swerve.REST, 0.1 mm/s. Below that a "
-            "module counts as still: speed 0, and its angle from hold_angles.",
+            "The limit between still and moving is smaller than swerve.REST, 0.1 mm/s. Below that "
+            "a module counts as still: speed 0, and its angle from hold_angles.",
             _targets(hold="less"),
         ),
         Mistake(
