@@ -539,6 +539,7 @@ def test_the_curvature_of_a_circle_is_one_over_its_radius():
     circle = 2.5 * np.column_stack([np.cos(angle), np.sin(angle)])
     np.testing.assert_allclose(path_curvature(circle)[1:-1], 0.4, atol=1e-9)
     assert path_curvature([[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]]).tolist() == [0.0, inf, 0.0]
+    assert path_curvature([[0.0, 0.0], [1.0, 0.0], [0.5, 0.0]]).tolist() == [0.0, 4.0, 0.0]
     assert path_curvature([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0]]).tolist() == [0.0, 0.0, 0.0]
 
 

@@ -45,7 +45,8 @@ def bend(points, i):
     Returns
     -------
     float
-        Infinity where the way turns back on itself.
+        Where the way turns by more than a right angle, 2 over the chord, which is more than the
+        circle's: that would call a turn back on itself straight. Infinity for that.
     """
     ax, ay = points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1]
     bx, by = points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1]
@@ -55,7 +56,6 @@ def bend(points, i):
     chord = hypot(ax + bx, ay + by)
     if chord == 0.0:
         return inf
-    # The sine alone would not tell a turn of 180 degrees from none.
     if ax * bx + ay * by < 0.0:
         return 2.0 / chord
     return 2.0 * abs(ax * by - ay * bx) / (sides * chord)
