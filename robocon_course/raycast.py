@@ -124,7 +124,8 @@ def distances(grid: GridMap, origins: ArrayLike, angles: ArrayLike, max_range: f
     Returns
     -------
     ndarray, shape (...)  [m]
-        0 where the start itself is not free.
+        0 where the start itself is not free, which on an edge is the cell that `GridMap.cells`
+        names.
 
     Raises
     ------
@@ -156,7 +157,7 @@ def distances(grid: GridMap, origins: ArrayLike, angles: ArrayLike, max_range: f
             "k rays from each of n points take origins (n, 1, 2) and angles (k,)"
         ) from None
     rays = np.empty((*shape, 3))
-    rays[..., :2] = (origins - grid.origin) / grid.resolution
+    rays[..., :2] = grid.to_cells(origins)[..., ::-1]
     rays[..., 2] = angles
     out = np.empty(shape)
     blocked = np.logical_not(grid.free).view(np.uint8)

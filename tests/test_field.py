@@ -247,6 +247,13 @@ def drawn(rects) -> GridMap:
     return GridMap(free, 0.05, grid.origin)
 
 
+def test_the_frame_of_the_pile_is_no_obstacle():
+    x, y = field.PILE
+    corner = (x + field.PILE_HALF_DIAGONAL - field.PILE_FRAME_WIDTH / 2, y)
+    assert field.obstacle_map().is_free([field.PILE, corner]).all()
+    assert not any(rect.contains(*corner) for rect in field.OBSTACLES)
+
+
 def test_the_obstacle_map_is_the_obstacles_drawn_cell_by_cell():
     assert (field.obstacle_map(0.05).free == drawn(field.OBSTACLES).free).all()
 

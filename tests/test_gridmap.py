@@ -41,6 +41,40 @@ def test_a_point_on_a_shared_edge_belongs_to_the_cell_further_up_and_right():
     assert fine.cells(np.stack([edges, edges], axis=-1))[:, 0].tolist() == list(range(20))
 
 
+def test_points_are_counted_in_cells_rows_first():
+    grid = GridMap(np.ones((4, 6), dtype=bool), 0.5, (-1.0, 2.0))
+    assert grid.to_cells([[-1.0, 2.0], [0.25, 3.1]]).round(9).tolist() == [[0.0, 0.0], [2.2, 2.5]]
+    assert grid.to_cells(np.empty((0, 3, 2))).shape == (0, 3, 2)
+    assert grid.to_cells([-inf, nan]).tolist()[1] == -inf
+
+
+def test_a_point_within_rounding_of_an_edge_is_on_the_edge_and_no_other_is_moved():
+    grid = GridMap(np.ones((2, 20), dtype=bool), 0.05)
+    edges = np.round(np.arange(20) * 0.05, 2)
+    points = np.stack([edges, np.full(20, 0.02)], axis=-1)
+    assert (points[:, 0] / 0.05 != np.arange(20)).any()
+    assert grid.to_cells(points)[:, 1].tolist() == list(range(20))
+    for off in (-1e-6, 1e-6):
+        moved = grid.to_cells(points + np.array([off, 0.0]))[:, 1]
+        assert moved == pytest.approx(np.arange(20) + off / 0.05, abs=1e-9)
+
+
+@given(grids, st.tuples(metres, metres))
+def test_a_point_lies_in_the_cell_that_counting_says(grid, point):
+    counted = grid.to_cells(point)
+    assert grid.cells(point).tolist() == np.floor(counted).tolist()
+    there = grid.centres(counted - 0.5)
+    assert there == pytest.approx(point, abs=1e-9)
+
+
+@pytest.mark.parametrize("far", [1e300, 1e308, 1e19])
+def test_a_point_far_off_has_a_cell_far_off_on_the_same_side(far):
+    grid = GridMap(np.ones((2, 2), dtype=bool), 0.05)
+    with np.errstate(all="raise"):
+        assert grid.cells([[far, 0.0], [0.0, -far]]).tolist() == [[0, 2**62], [-(2**62), 0]]
+        assert not grid.contains([far, 0.0]) and not grid.is_free([0.0, far])
+
+
 @given(grids, st.data())
 def test_the_middle_of_a_cell_lies_in_that_cell(grid, data):
     rows, cols = grid.shape
@@ -102,7 +136,7 @@ def test_a_point_that_is_not_finite_has_no_cell(points):
         GridMap(np.ones((2, 2), dtype=bool), 1.0).cells(points)
 
 
-@pytest.mark.parametrize("method", ["cells", "contains", "is_free", "centres"])
+@pytest.mark.parametrize("method", ["cells", "to_cells", "contains", "is_free", "centres"])
 def test_points_of_another_dimension_are_refused(method):
     with pytest.raises(ValueError, match="expected shape"):
         getattr(GridMap(np.ones((2, 2), dtype=bool), 1.0), method)([1.0, 2.0, 3.0])
@@ -257,6 +291,12 @@ def test_alpha_counts_as_a_channel_in_trinary_and_means_unknown_in_scale(tmp_pat
 
 def test_raw_pixels_are_per_cent_of_occupancy(tmp_path):
     path = written(tmp_path, [[0, 19, 20, 100, 255]], mode="raw", free_thresh="0.2")
+    assert load_map(path).free.tolist() == [[True, True, False, False, False]]
+
+
+def test_raw_pixels_are_turned_round_by_negate(tmp_path):
+    pixels = [[255, 236, 235, 155, 0]]  # 0, 19, 20 and 100 per cent, and unknown
+    path = written(tmp_path, pixels, mode="raw", negate="1", free_thresh="0.2")
     assert load_map(path).free.tolist() == [[True, True, False, False, False]]
 
 

@@ -238,6 +238,21 @@ def test_distances_are_metres_from_points_of_the_map():
     assert found == pytest.approx([2.25, 1.5, 0.75, 0.5], abs=1e-12)
 
 
+def test_a_start_on_an_edge_lies_in_the_cell_that_the_map_names():
+    free = np.ones((4, 100), dtype=bool)
+    free[:, 7] = False
+    grid = GridMap(free, 0.05)
+    # 0.35 / 0.05 is 6.999999999999999 in floating point: a start just before the wall.
+    assert grid.cells([0.35, 0.1]).tolist() == [2, 7]
+    assert distances(grid, [0.35, 0.1], [0.0, pi], 5.0).tolist() == [0.0, 0.0]
+    assert distances(grid, [0.4, 0.1], [0.0, pi], 3.0).tolist() == [3.0, 0.0]
+
+
+@pytest.mark.parametrize("far", [1e300, -1e300])
+def test_a_start_far_off_the_map_measures_the_whole_range(far):
+    assert distances(room(), [far, 3.0], [0.0, pi], 7.7).tolist() == [7.7, 7.7]
+
+
 def test_origins_and_angles_are_broadcast():
     origins = np.array([[0.25, 3.0], [1.0, 4.0], [1.5, 3.3]])
     fan = np.linspace(0.0, 6.0, 5)

@@ -136,7 +136,8 @@ OBSTACLES = (
     SILO_ZONE,
     Rect("other half", SIZE / 2, -_RIM, SIZE + _RIM, SIZE + _RIM, 0.35, GREY),
 )
-"""What the chassis cannot enter."""
+"""What the chassis cannot enter. The frame of boards around the pile is none of them: how high its
+boards are was not found, so whether the robot clears them is not known."""
 
 # Spots.
 SILOS: tuple[Point, ...] = tuple((6.0, 8.5 + 0.75 * k) for k in range(5))

@@ -87,12 +87,12 @@ def obstacle_map(resolution: float = 0.01) -> GridMap:
 @cache
 def _obstacle_map(count: int, resolution: float) -> GridMap:
     """`obstacle_map`, once per resolution."""
-    free = np.ones((count, count), dtype=bool)
+    grid = GridMap(np.ones((count, count), dtype=bool), resolution, ORIGIN)
+    free = grid.free.copy()
     for rect in layout.OBSTACLES:
-        edges = (np.array(rect[1:5]) - ORIGIN[0]) / resolution
-        x0, y0 = np.floor(edges[:2] + 1e-6).astype(int)
-        x1, y1 = np.ceil(edges[2:] - 1e-6).astype(int)
-        free[y0:y1, x0:x1] = False
+        first = np.floor(grid.to_cells(rect[1:3])).astype(int)
+        end = np.ceil(grid.to_cells(rect[3:5])).astype(int)
+        free[first[0] : end[0], first[1] : end[1]] = False
     return GridMap(free, resolution, ORIGIN)
 
 

@@ -122,8 +122,8 @@ def se2_log(pose: ArrayLike) -> FloatArray:
 
     Notes
     -----
-    Solà 2018, equation 157. A whole turn that ends elsewhere than it began has no such twist:
-    infinite or NaN.
+    Solà 2018, equation 157. A whole turn that ends elsewhere than it began has no such twist: what
+    comes out is huge (2.6e16 for a metre), as pi itself is rounded.
     """
     pose = as_vectors(pose, "pose", 3)
     half = pose[..., 2] / 2.0

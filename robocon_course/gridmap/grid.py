@@ -19,6 +19,11 @@ from robocon_course._arrays import FloatArray, as_floats, as_vectors
 
 BoolArray = NDArray[np.bool_]
 
+SNAP = 1e-9
+"""So near to an edge a point lies on it [cells]: what rounding took away must not cost a cell."""
+FARTHEST = 2.0**62
+"""Cell numbers end here: as a float it is exact, and an int64 holds it."""
+
 
 @dataclass(frozen=True, eq=False)
 class GridMap:
@@ -82,17 +87,47 @@ class GridMap:
         Returns
         -------
         ndarray of int64, shape (..., 2)
-            (row, col); outside the map it is negative or too large: ask `contains`.
+            (row, col); outside the map it is negative or too large: ask `contains`. Beyond 2**62
+            cells, far off any map, it is 2**62.
 
         Raises
         ------
         ValueError
             Another last axis, or an entry that is not finite.
         """
-        cells = self._scaled(xy)
-        if not np.isfinite(cells).all():
+        if not np.isfinite(as_vectors(xy, "xy", 2)).all():
             raise ValueError("xy: a point that is not finite lies in no cell; remove it first")
-        return cells.astype(np.int64)
+        return np.floor(self.to_cells(xy)).clip(-FARTHEST, FARTHEST).astype(np.int64)
+
+    def to_cells(self, xy: ArrayLike) -> FloatArray:
+        """Points counted in cells: cell (r, c) covers r to r + 1 and c to c + 1.
+
+        Parameters
+        ----------
+        xy : array_like, shape (..., 2)  [m, map]
+
+        Returns
+        -------
+        ndarray, shape (..., 2)  [cells]
+            (row, col). Within a billionth of a cell of an edge it is the edge itself: 0.35 m is
+            7 cells of 0.05 m, not the 6.999... that rounding makes of it. What is not finite
+            stays so.
+
+        Raises
+        ------
+        ValueError
+            Another last axis.
+
+        Examples
+        --------
+        >>> GridMap(np.ones((4, 10), dtype=bool), 0.05).to_cells([0.35, 0.12]).round(9).tolist()
+        [2.4, 7.0]
+        """
+        points = as_vectors(xy, "xy", 2)
+        with np.errstate(over="ignore", invalid="ignore"):
+            cells = ((points - self.origin) / self.resolution)[..., ::-1]
+            edges = np.rint(cells)
+            return np.where(np.abs(cells - edges) <= SNAP, edges, cells)
 
     def centres(self, cells: ArrayLike) -> FloatArray:
         """Middle points of cells.
@@ -130,7 +165,7 @@ class GridMap:
         ValueError
             Another last axis.
         """
-        cells = self._scaled(xy)
+        cells = self.to_cells(xy)
         return ((cells >= 0) & (cells < self.shape)).all(axis=-1)
 
     def is_free(self, xy: ArrayLike) -> BoolArray:
@@ -149,15 +184,9 @@ class GridMap:
         ValueError
             Another last axis.
         """
-        cells, inside = self._scaled(xy), self.contains(xy)
+        cells, inside = self.to_cells(xy), self.contains(xy)
         row, col = np.where(inside[..., None], cells, 0.0).astype(np.int64).T
         return inside & self.free[row, col].T
-
-    def _scaled(self, xy: ArrayLike) -> FloatArray:
-        """Cells (row, col) of points, as floats: a point that is not finite may pass."""
-        points = as_vectors(xy, "xy", 2)
-        # 0.35 m is 6.999... cells of 0.05 m: what rounding took away must not cost a cell.
-        return np.floor((points - self.origin) / self.resolution + 1e-9)[..., ::-1]
 
 
 def inflate(grid: GridMap, radius: float) -> GridMap:
