@@ -12,16 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robocon_course._arrays import FloatArray, freeze_arrays
-from robocon_course.geometry import wrap_angle
+from robocon_course.autopilot import Parts, module_command
 from robocon_course.odometry import TrackingWheels
-from robocon_course.robot import DEAD_WHEELS, MAX_SPEED, MODULES, Command, Observation
+from robocon_course.robot import DEAD_WHEELS, Observation
 from robocon_course.simulator.inertial import ImuErrors
-from robocon_course.swerve import (
-    field_to_robot,
-    limit_speeds,
-    module_targets,
-    shortest_turn,
-)
+from robocon_course.swerve import pose_feedback
 from robocon_course.worlds.imu import own_imu
 from robocon_course.worlds.robot import LEFT, RIGHT, own_wheels
 from robocon_course.worlds.student import Student, generator
@@ -37,6 +32,7 @@ FASTEST = (1.4, 2.0)  # m/s, rad/s
 HARDEST = (2.0, 5.0)  # m/s^2, rad/s^2
 NEAR = (0.08, 0.08)  # m, rad
 SEAMS = 3.0  # s, from one hop of a wheel to the next
+REFERENCE = Parts()
 DRIVES = ("ideal", "noisy", "degraded")
 Gaps = tuple[tuple[int, float, float], ...]
 """Wheel, and the times [s] between which its counter stands still."""
@@ -144,7 +140,8 @@ def drive_log(
             goal = _next_goal(rng, pose)
             pause = rng.choice([0.0, 0.0, 1.0])
         twist = _towards(goal if pause <= 0.0 else pose, pose, twist)
-        robot.apply(_command(twist, pose, observations[-1].module_angles))
+        angles = observations[-1].module_angles
+        robot.apply(module_command(REFERENCE, twist, pose[2], angles, dt=CYCLE))
         robot.step(CYCLE)
         observations.append(robot.read())
         poses.append(robot.truth.pose)
@@ -163,20 +160,13 @@ def _arrived(pose: FloatArray, goal: FloatArray) -> bool:
 
 def _towards(goal: FloatArray, pose: FloatArray, twist: FloatArray) -> FloatArray:
     """The next twist [map]: towards the goal, not too fast and not too hard."""
-    want = GAIN * (goal - pose)
+    want = pose_feedback(pose, goal, GAIN)
     want[:2] *= min(1.0, FASTEST[0] / max(np.hypot(*want[:2]), 1e-9))
     want[2] = np.clip(want[2], -FASTEST[1], FASTEST[1])
     change = want - twist
     change[:2] *= min(1.0, HARDEST[0] * CYCLE / max(np.hypot(*change[:2]), 1e-9))
     change[2] = np.clip(change[2], -HARDEST[1] * CYCLE, HARDEST[1] * CYCLE)
     return twist + change
-
-
-def _command(twist: FloatArray, pose: FloatArray, angles: FloatArray) -> Command:
-    """The modules that make a twist [map]."""
-    asked = field_to_robot(twist, wrap_angle(pose[2]))
-    targets = shortest_turn(module_targets(MODULES, asked, angles), angles)
-    return Command(*limit_speeds(targets, MAX_SPEED))
 
 
 def bumps(rng: np.random.Generator, duration: float) -> Gaps:
