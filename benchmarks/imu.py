@@ -9,12 +9,11 @@ busy neighbour matters less. Before any time is taken the results are compared.
 from __future__ import annotations
 
 from collections.abc import Callable
-from statistics import median
-from time import process_time
 
 import ahrs
 import imufusion
 import numpy as np
+from turns import medians
 
 from robocon_course import imu
 from robocon_course.simulator import sensors
@@ -29,18 +28,6 @@ def simulated_drive() -> tuple[np.ndarray, np.ndarray]:
     """Gyroscope and accelerometer, (n, 3) each, of a noisy, uncalibrated sensor."""
     motion = sensors.drive(SAMPLES * DT, DT, np.random.default_rng(1))
     return sensors.imu_measurements(*motion, DT, sensors.UNCALIBRATED, np.random.default_rng(2))
-
-
-def medians(contenders: dict[str, Callable[[], object]]) -> dict[str, float]:
-    """Median CPU time of one call of each contender [s]."""
-    times: dict[str, list[float]] = {name: [] for name in contenders}
-    for turn in range(REPEATS + 1):
-        for name, contender in contenders.items():
-            start = process_time()
-            contender()
-            if turn:  # the first turn compiles and warms the caches
-                times[name].append(process_time() - start)
-    return {name: median(values) for name, values in times.items()}
 
 
 def assert_equal_results(gyro: np.ndarray, accel: np.ndarray) -> None:
@@ -104,7 +91,7 @@ def main() -> None:
     """Print a time per sample for each contender, then the three ratios that matter."""
     gyro, accel = simulated_drive()
     assert_equal_results(gyro, accel)
-    times = {name: t / SAMPLES for name, t in medians(contenders(gyro, accel)).items()}
+    times = {name: t / SAMPLES for name, t in medians(contenders(gyro, accel), REPEATS).items()}
     print(f"Mahony filter, {SAMPLES} samples, median of {REPEATS} repeats, results equal to 1e-9\n")
     for name, seconds in times.items():
         print(f"  {name:34s} {seconds * 1e9:10.0f} ns a sample")

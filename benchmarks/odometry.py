@@ -11,10 +11,9 @@ does, or multiply by the matrix in plain Python, as its users write it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from statistics import median
-from time import process_time
 
 import numpy as np
+from turns import medians
 from wpimath.geometry import Pose2d, Twist2d
 
 from robocon_course import odometry
@@ -33,18 +32,6 @@ def drive() -> np.ndarray:
     )
     turned = np.cumsum(deltas @ DEAD_WHEELS.matrix.T / DEAD_WHEELS.metres_per_tick, axis=0)
     return np.diff(np.floor(turned), axis=0, prepend=0.0).astype(np.int64)
-
-
-def medians(contenders: dict[str, Callable[[], object]]) -> dict[str, float]:
-    """Median CPU time of one call of each contender [s]."""
-    times: dict[str, list[float]] = {name: [] for name in contenders}
-    for turn in range(REPEATS + 1):
-        for name, contender in contenders.items():
-            start = process_time()
-            contender()
-            if turn:  # the first turn compiles and warms the caches
-                times[name].append(process_time() - start)
-    return {name: median(values) for name, values in times.items()}
 
 
 def contenders(ticks: np.ndarray) -> dict[str, Callable[[], np.ndarray]]:
@@ -116,7 +103,7 @@ def main() -> None:
     """Print a time per sample for each contender, then the ratios that matter."""
     every = contenders(drive())
     assert_equal_results(every)
-    times = {name: seconds / SAMPLES for name, seconds in medians(every).items()}
+    times = {name: seconds / SAMPLES for name, seconds in medians(every, REPEATS).items()}
     print(f"Odometry, {SAMPLES} samples, median of {REPEATS} repeats, poses equal to 1e-9\n")
     for name, seconds in times.items():
         print(f"  {name:38s} {seconds * 1e9:8.0f} ns a sample")

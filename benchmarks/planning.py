@@ -10,12 +10,8 @@ skimage, networkx and pathfinding get their own maps ready made, ours a `GridMap
 
 from __future__ import annotations
 
-import sys
 import tracemalloc
-from collections.abc import Callable
 from math import hypot, sqrt
-from statistics import median
-from time import process_time
 
 import networkx
 import numpy as np
@@ -24,6 +20,7 @@ from pathfinding.core.diagonal_movement import DiagonalMovement
 from pathfinding.core.grid import Grid
 from pathfinding.finder.a_star import AStarFinder
 from skimage.graph import MCP_Geometric
+from turns import medians
 
 from robocon_course import field
 from robocon_course.gridmap import GridMap, inflate
@@ -32,20 +29,6 @@ from robocon_course.planning import Replanner, anytime_astar, astar
 REPEATS = 7
 START, GOAL, RADIUS = (0.55, 0.35), (4.30, 10.00), 0.325  # m
 Cell = tuple[int, int]
-
-
-def medians(contenders: dict[str, Callable[[], object]]) -> dict[str, float]:
-    """Median CPU time of one call of each contender [s]."""
-    times: dict[str, list[float]] = {name: [] for name in contenders}
-    for turn in range(REPEATS + 1):
-        print(f"\r  round {turn} of {REPEATS}", end="", file=sys.stderr, flush=True)
-        for name, contender in contenders.items():
-            start = process_time()
-            contender()
-            if turn:  # the first turn compiles and warms the caches
-                times[name].append(process_time() - start)
-    print("\r" + " " * 30 + "\r", end="", file=sys.stderr)
-    return {name: median(values) for name, values in times.items()}
 
 
 def random_map(side: int, seed: int, density: float = 0.2) -> GridMap:
@@ -129,7 +112,8 @@ def on_the_field() -> None:
                 weights, start, goal, allow_diagonal=True
             ),
             "skimage MCP_Geometric": lambda: skimage_cost(costs, start, goal),
-        }
+        },
+        REPEATS,
     )
     print(f"field, {grid.shape[0]} x {grid.shape[1]} cells, {int(grid.free.sum())} free")
     print(f"  costs equal skimage's: {cut.length / 0.01:.3f} cells with corners cut")
@@ -163,7 +147,8 @@ def on_random_maps() -> None:
             "astar, corners cut": lambda: astar(grid, *ends, cut_corners=True),
             "networkx (corners cut)": networkx_way,
             "pathfinding": pathfinding_way,
-        }
+        },
+        REPEATS,
     )
     print("\nrandom map, 500 x 500 cells, a fifth of them blocked")
     print(f"  costs equal networkx's {cut.length:.3f} and pathfinding's {strict.length:.3f} cells")
@@ -183,7 +168,7 @@ def growth() -> None:
         astar(grid, *ends)
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
-        seconds = medians({"astar": lambda: astar(grid, *ends)})["astar"]  # noqa: B023
+        seconds = medians({"astar": lambda: astar(grid, *ends)}, REPEATS)["astar"]  # noqa: B023
         print(
             f"  {side:4d} x {side:<4d} {seconds * 1e3:8.1f} ms   {plan.expanded:8d} cells,"
             f" {seconds / plan.expanded * 1e9:4.0f} ns each   {peak / grid.free.size:4.1f} bytes"

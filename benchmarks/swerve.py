@@ -9,10 +9,9 @@ busy neighbour matters less. Before any time is taken the results are compared.
 from __future__ import annotations
 
 from collections.abc import Callable
-from statistics import median
-from time import process_time
 
 import numpy as np
+from turns import medians
 from wpimath.geometry import Rotation2d, Translation2d
 from wpimath.kinematics import ChassisSpeeds, SwerveDrive4Kinematics, SwerveModuleState
 
@@ -26,18 +25,6 @@ REPEATS = 9
 DRIVE = swerve.SwerveDrive(MODULES)
 PEER = SwerveDrive4Kinematics(*[Translation2d(*place) for place in MODULES])
 HELD = np.zeros(4)
-
-
-def medians(contenders: dict[str, Callable[[], object]]) -> dict[str, float]:
-    """Median CPU time of one row of each contender [s]."""
-    times: dict[str, list[float]] = {name: [] for name in contenders}
-    for turn in range(REPEATS + 1):
-        for name, contender in contenders.items():
-            start = process_time()
-            contender()
-            if turn:  # the first turn compiles and warms the caches
-                times[name].append((process_time() - start) / ROWS)
-    return {name: median(values) for name, values in times.items()}
 
 
 def peer_inverse(vx: float, vy: float, omega: float) -> tuple[list[float], list[float]]:
@@ -126,7 +113,8 @@ def main() -> None:
     targets = swerve.module_targets(DRIVE, twists, HELD)
     speeds = targets.speeds + np.random.default_rng(2).normal(0.0, 0.2, targets.speeds.shape)
     assert_equal_results(twists, targets, speeds)
-    times = medians(contenders(twists, targets, speeds))
+    rows = medians(contenders(twists, targets, speeds), REPEATS)
+    times = {name: seconds / ROWS for name, seconds in rows.items()}
     print(f"Swerve kinematics, {ROWS} rows, median of {REPEATS} repeats, results equal to 1e-9\n")
     for name, seconds in times.items():
         print(f"  {name:36s} {seconds * 1e9:8.0f} ns a row")

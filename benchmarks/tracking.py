@@ -10,11 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import hypot, inf, sin
-from statistics import median
-from time import process_time
 
 import numpy as np
 from simple_pid import PID
+from turns import medians
 from wpimath.controller import PIDController
 
 from robocon_course.tracking import (
@@ -38,18 +37,6 @@ PATH = np.column_stack([_S, np.sin(_S / 3.0)])
 POSES = [(x, sin(x / 3.0) + 0.05, 0.1) for x in np.linspace(0.0, 45.0, 450).tolist()]
 GAINS, DT = PidGains(1.0, 0.1, 0.05), 0.01
 MEASURED = np.sin(0.01 * np.arange(1000)).tolist()
-
-
-def medians(contenders: dict[str, Callable[[], int]]) -> dict[str, float]:
-    """Median CPU time of one call of each contender [s]; each returns how many it made."""
-    times: dict[str, list[float]] = {name: [] for name in contenders}
-    for turn in range(REPEATS + 1):
-        for name, contender in contenders.items():
-            start = process_time()
-            calls = contender()
-            if turn:  # the first turn compiles and warms the caches
-                times[name].append((process_time() - start) / calls)
-    return {name: median(values) for name, values in times.items()}
 
 
 def waypoint_search(xs: list[float], ys: list[float], x: float, y: float, start: int) -> list[int]:
@@ -162,7 +149,7 @@ def contenders() -> dict[str, Callable[[], int]]:
 def main() -> None:
     """Print a time per call for each contender, then the ratios that matter."""
     assert_equal_results()
-    times = medians(contenders())
+    times = medians(contenders(), REPEATS)
     print(f"Path tracking, median of {REPEATS} repeats, equal results checked\n")
     for name, seconds in times.items():
         print(f"  {name:38s} {seconds * 1e9:9.0f} ns a call")
