@@ -205,6 +205,15 @@ def test_a_motor_weaker_than_the_slope_does_not_climb_it(force, climbs):
     assert state.pose[0] > 0.05 if climbs else state.pose[0] < -0.05
 
 
+def test_on_a_slope_a_wheel_whose_motor_gives_all_keeps_the_speed_along_the_slope():
+    slope = [[-100.0, -100.0, 100.0, 100.0, 0.0, 0.1, 0.0]]
+    state = robot()
+    run(state, 6.0, 3.2, model=replace(MODEL, drive_force=12.0), floor=slope)
+    assert state.speeds[0] == pytest.approx(3.2, abs=1e-3)
+    # the map sees 1 / sqrt(1.01) of it
+    assert state.velocity[0] == pytest.approx(3.2 / sqrt(1.01), abs=physics.CREEP)
+
+
 def test_slip_is_what_the_drive_wheels_roll_more_than_the_dead_wheels():
     state = robot()
     model = replace(MODEL, friction=0.1)
@@ -252,7 +261,32 @@ def test_a_battery_with_resistance_gives_less_speed_under_load():
     assert weak.velocity[0] == pytest.approx(3.2, abs=0.01)  # no load at a steady speed
 
 
+def test_braking_does_not_charge_the_battery():
+    state = robot(velocity=(3.0, 0.0, 0.0), speeds=3.0)
+    volts = []
+    for _ in range(150):
+        run(state, TICK, 0.0, model=replace(MODEL, resistance=0.5))
+        volts.append(state.battery[0])
+    assert state.velocity[0] < 1.5 and max(volts) <= 24.0 and min(volts) < 22.0
+
+
 # --- slopes --------------------------------------------------------------------------------------
+
+SHIFTED = MODULES + np.array([0.05, -0.02])
+TRAPEZOID = np.array([(0.25, 0.15), (-0.2, 0.25), (-0.2, -0.25), (0.25, -0.1)])
+
+
+@pytest.mark.parametrize("modules", [MODULES, SHIFTED, TRAPEZOID])
+def test_wherever_the_modules_are_a_flat_floor_is_flat_and_a_slope_has_its_rise(modules):
+    model = replace(MODEL, modules=modules)
+    raised = [[-100.0, -100.0, 100.0, 100.0, 0.2, 0.0, 0.0]]
+    track = run(robot(pose=(1.0, 2.0, 0.7)), 1.0, model=model, floor=raised)
+    np.testing.assert_allclose(track[-1], [1.0, 2.0, 0.7, 0, 0, 0, 0, 0, 0.2], atol=1e-12)
+    track = run(robot(pose=(1.0, 2.0, 0.0)), TICK, model=model, floor=SLOPE)
+    x, _, theta = track[-1, :3]
+    wanted = [0.1 * cos(theta), -0.1 * np.sin(theta), 20.0 + 0.1 * x]
+    np.testing.assert_allclose(track[-1, 6:], wanted, atol=1e-12)
+
 
 SLOPE = np.array([[-100.0, -100.0, 100.0, 100.0, 10.0, 0.1, 0.0]])
 
@@ -344,12 +378,58 @@ def test_a_hit_square_on_stops_the_robot_and_does_not_turn_it():
     assert state.travel[0] == pytest.approx(1.0 - SIDE / 2, abs=1e-4)
 
 
+def hit(velocity, arm, normal, wall_friction):
+    """Velocity after a hit without bounce: Baraff 8-18 with restitution 0, Coulomb across it."""
+    mass, inertia = MODEL.mass, MODEL.mass * SIDE**2 / 6
+    jacobian = [np.array([*d, arm[0] * d[1] - arm[1] * d[0]]) for d in (normal, np.roll(normal, 1))]
+    inverse = np.array([1.0, 1.0, mass / inertia]) / mass
+    push, drag = (-(row @ velocity) / (row @ (inverse * row)) for row in jacobian)
+    drag = np.clip(drag, -wall_friction * push, wall_friction * push)
+    return velocity + inverse * (push * jacobian[0] + drag * jacobian[1])
+
+
+@pytest.mark.parametrize("wall_friction", [0.0, 0.3, 5.0])
+@pytest.mark.parametrize("slide", [1.5, -1.5])
+def test_a_corner_s_hit_is_the_one_of_the_textbook(wall_friction, slide):
+    c, s = cos(0.3), np.sin(0.3)
+    corner = SIDE / 2 * np.array([c + s, s - c])  # the front right one, foremost at 0.3 rad
+    velocity = np.array([2.0, slide, 0.0])
+    state = robot(pose=(1.0 - corner[0] - 1e-3, 0.0, 0.3), velocity=velocity)
+    run(state, TICK, model=replace(MODEL, friction=0.0, wall_friction=wall_friction), boxes=WALL)
+    wanted = hit(velocity, corner, np.array([-1.0, 0.0]), wall_friction)
+    np.testing.assert_allclose(state.velocity[:3], wanted, atol=1e-12)
+    assert state.contact.tolist() == [1, 1]
+    if wall_friction == 0.0:  # the corner no longer goes into the wall
+        assert state.velocity[0] - state.velocity[2] * corner[1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_of_two_corners_in_a_wall_the_deeper_one_counts_more():
+    c, s = cos(0.02), np.sin(0.02)
+    right, left = SIDE / 2 * np.array([(c + s, s - c), (c - s, s + c)])  # of the front
+    pose = np.array([1.0 - left[0] + 0.002, 0.0, 0.02])  # the left one 2 mm deep
+    deep = 0.002, 0.002 + right[0] - left[0]
+    point = physics._meeting_point(pose, SIDE / 2, np.array(WALL[0]), -1.0, 0.0)
+    np.testing.assert_allclose(point, (deep[0] * left + deep[1] * right) / sum(deep), atol=1e-12)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_along_a_wall_friction_takes_its_share_of_the_push(way):
+    # No grip, and a floor that falls towards the wall: the push is m g 0.1 / 1.01.
+    ice = replace(MODEL, friction=0.0, wall_friction=0.3)
+    downhill = [[-100.0, -100.0, 100.0, 100.0, 0.0, -0.1, 0.0]]
+    state = robot(pose=(1.0 - SIDE / 2, 0.0, 0.0), velocity=(0.0, 2.0 * way, 0.0))
+    track = run(state, 1.0, model=ice, floor=downhill, boxes=WALL)
+    slowed = (2.0 - way * track[-1, 4]) / 1.0
+    assert slowed == pytest.approx(0.3 * GRAVITY * 0.1 / 1.01, rel=0.02)
+    assert np.abs(track[:, 2]).max() < 0.01 and state.contact.tolist() == [1, 1]
+
+
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_hit_off_centre_turns_it_towards_the_wall(side):
     edge = [(1.0, min(0.1 * side, side), 2.0, max(0.1 * side, side))]
     state = robot(velocity=(2.0, 0.0, 0.0), speeds=2.0)
     track = run(state, 0.5, 2.0, boxes=edge)
-    assert side * track[:, 2].max(initial=0.0, where=side * track[:, 2] > 0) >= 0.0
+    assert (side * track[:, 2]).min() >= 0.0  # and never the other way
     assert side * state.pose[2] > 0.2
 
 
@@ -443,12 +523,25 @@ def test_the_fence_has_no_joints_and_reaches_outwards():
         ({"friction": -0.1}, "friction: must not be negative"),
         ({"drive_lag": float("inf")}, "drive_lag: must not be negative"),
         ({"modules": [[0.1, 0.1]] * 3}, r"modules: expected shape \(4, 2\)"),
+        ({"modules": [[0.1, 0.1], [0.2, 0.2], [-0.1, -0.1], [0, 0]]}, "modules: they stand on"),
+        ({"mass": "25"}, "mass: must be positive, got '25'"),
+        ({"steering_lag": None}, "steering_lag: must not be negative, got None"),
+        ({"dead_wheels": None}, "dead_wheels: expected TrackingWheels, got NoneType"),
         ({"modules": [[0.1, 0.0], [0.2, 0.0], [-0.1, 0.0], [0.3, 0.0]]}, "modules: they stand on"),
     ],
 )
 def test_numbers_that_make_no_robot_are_refused(change, message):
     with pytest.raises(ValueError, match=message):
         RobotModel(**change)
+
+
+def test_a_model_keeps_its_own_modules():
+    places = MODULES.copy()
+    model = RobotModel(modules=places)
+    places += 1.0
+    np.testing.assert_array_equal(model.modules, MODULES)
+    with pytest.raises(ValueError, match="read-only"):
+        model.modules[0, 0] = 0.0
 
 
 def test_a_worn_wheel_is_another_robot():

@@ -9,6 +9,7 @@
 ``inertial``  what the IMU reads
 ``lidar``     what the LiDARs read
 ``noise``     random numbers by row
+``numbers``   refusals of what is no number of a model
 ``motions``   known motions for an IMU to record
 ``warm``      `warm_up`: compile before a robot is needed
 ============  ==================================================================

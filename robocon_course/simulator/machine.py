@@ -89,7 +89,7 @@ class Simulator:
         self._start = self._free_pose(start)
         self.reset(0)
 
-    def reset(self, seed: int, start: ArrayLike | None = None) -> None:
+    def reset(self, seed: int = 0, start: ArrayLike | None = None) -> None:
         """Back to the start, at rest, with time and counters at 0.
 
         Parameters
@@ -139,7 +139,7 @@ class Simulator:
         ValueError
             Another dt.
         """
-        if not 0.0 < dt <= LONGEST_STEP:
+        if not isinstance(dt, float | int | np.number) or not 0.0 < dt <= LONGEST_STEP:
             raise ValueError(f"dt: must be seconds above 0, at most {LONGEST_STEP:g}, got {dt!r}")
         part = self._part + dt / TICK
         ticks = floor(part + 1e-6)

@@ -8,10 +8,11 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robocon_course._arrays import as_floats
+from robocon_course._arrays import FloatArray, as_floats, frozen
 from robocon_course.field import FLOOR_TABLE, OBSTACLES, SIZE
 from robocon_course.odometry import TrackingWheels
 from robocon_course.robot import BATTERY, DEAD_WHEELS, MASS, MAX_SPEED, MODULES, SIDE
+from robocon_course.simulator.numbers import require_not_negative, require_positive
 from robocon_course.simulator.physics import Body, World
 
 OUTWARDS = 1.0
@@ -70,21 +71,16 @@ class RobotModel:
     resistance: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "modules", as_floats(self.modules, "modules", 4, 2))
-        for name in (
-            "side",
-            "mass",
-            "steering_rate",
-            "drive_acceleration",
-            "drive_force",
-            "max_speed",
-        ):
-            if not 0.0 < getattr(self, name) < np.inf:
-                raise ValueError(f"{name}: must be positive, got {getattr(self, name)!r}")
-        for name in ("friction", "wall_friction", "steering_lag", "drive_lag", "resistance"):
-            if not 0.0 <= getattr(self, name) < np.inf:
-                raise ValueError(f"{name}: must not be negative, got {getattr(self, name)!r}")
-        if not np.ptp(self.modules, axis=0).all():
+        modules = frozen(as_floats(self.modules, "modules", 4, 2))
+        object.__setattr__(self, "modules", modules)
+        if not isinstance(self.dead_wheels, TrackingWheels):
+            kind = type(self.dead_wheels).__name__
+            raise ValueError(f"dead_wheels: expected TrackingWheels, got {kind}")
+        require_positive(self, "side", "mass", "steering_rate", "drive_acceleration")
+        require_positive(self, "drive_force", "max_speed")
+        require_not_negative(self, "friction", "wall_friction", "steering_lag", "drive_lag")
+        require_not_negative(self, "resistance")
+        if np.linalg.matrix_rank(modules - modules.mean(axis=0), tol=1e-6) < 2:
             raise ValueError("modules: they stand on one line; a robot needs a base to stand on")
 
     def body(self) -> Body:
@@ -105,8 +101,21 @@ class RobotModel:
             battery=BATTERY,
             resistance=float(self.resistance),
             modules=np.array(self.modules),
+            plane=_plane_through(self.modules),
             dead_wheels=np.column_stack([wheels.positions, wheels.directions]),
         )
+
+
+def _plane_through(modules: FloatArray) -> FloatArray:
+    """The plane nearest to the heights at four places: (rise_x, rise_y, height at 0) of them.
+
+    Around the mean of the places, slope and mean height are apart: the normal equations of the
+    slope are two.
+    """
+    mean = modules.mean(axis=0)
+    around = modules - mean
+    slope = np.linalg.solve(around.T @ around, around.T)
+    return np.vstack([slope, 0.25 - mean @ slope])
 
 
 @cache

@@ -49,7 +49,11 @@ SMOOTHING = 0.02
 
 
 class Body(NamedTuple):
-    """One robot's numbers, as the kernels take them: see `RobotModel`."""
+    """One robot's numbers, as the kernels take them: see `RobotModel`.
+
+    ``plane`` (3, 4) makes the rise along x and y, and the height of the middle, of the heights
+    under the four modules.
+    """
 
     half: float
     mass: float
@@ -65,6 +69,7 @@ class Body(NamedTuple):
     battery: float
     resistance: float
     modules: FloatArray
+    plane: FloatArray
     dead_wheels: FloatArray
 
 
@@ -276,7 +281,9 @@ def _stall(state, drive_force):
         given = px * dx + py * dy
         if abs(given) > drive_force * (1.0 - 1e-9):
             vx, vy = state.velocity[0] - turn * y, state.velocity[1] + turn * x
-            state.speeds[i] = vx * dx + vy * dy + (CREEP if given > 0.0 else -CREEP)
+            along = wheels[i, 6] * dx + wheels[i, 7] * dy  # as in `_grip`, the other way
+            rolled = (vx * dx + vy * dy) * sqrt(1.0 + along * along)
+            state.speeds[i] = rolled + (CREEP if given > 0.0 else -CREEP)
 
 
 @njit
@@ -294,16 +301,15 @@ def _floor_at(x, y, table):
 def _stand(state, body, floor):
     """Heights under the four wheels, and the plane that fits them best: tilt and height."""
     c, s = cos(state.pose[2]), sin(state.pose[2])
-    mean = along_x = along_y = xx = yy = 0.0
+    plane, along_x, along_y, middle = body.plane, 0.0, 0.0, 0.0
     for i in range(4):
         mx, my = body.modules[i, 0], body.modules[i, 1]
         x, y = state.pose[0] + c * mx - s * my, state.pose[1] + s * mx + c * my
         height, rise_x, rise_y = _floor_at(x, y, floor)
         state.wheels[i, 6], state.wheels[i, 7] = rise_x, rise_y
-        mean += 0.25 * height
-        along_x, along_y = along_x + mx * height, along_y + my * height
-        xx, yy = xx + mx * mx, yy + my * my
-    state.floor[0], state.floor[1], state.floor[2] = along_x / xx, along_y / yy, mean
+        along_x, along_y = along_x + plane[0, i] * height, along_y + plane[1, i] * height
+        middle += plane[2, i] * height
+    state.floor[0], state.floor[1], state.floor[2] = along_x, along_y, middle
 
 
 @njit
