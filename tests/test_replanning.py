@@ -104,6 +104,22 @@ def test_mended_plans_stay_as_short_over_long_drives(whole):
             free[tuple(grid.cells(here))] = free[-1, -1] = True
 
 
+def test_a_robot_that_is_carried_elsewhere_still_gets_the_shortest_way():
+    """Then the estimates of all that waits are off by much; only the drift makes up for it."""
+    rng = np.random.default_rng(6)
+    free = rng.random((40, 40)) > 0.25
+    free[-1, -1] = True
+    replanner = Replanner([39.5, 39.5])
+    for _ in range(40):
+        grid = GridMap(free, 1.0)
+        here = grid.centres(rng.choice(np.argwhere(free)))
+        mended = length_or_none(replanner.plan, grid, here)
+        fresh = length_or_none(astar, grid, here, [39.5, 39.5])
+        assert mended == (fresh if fresh is None else pytest.approx(fresh, abs=1e-9))
+        free = free ^ (rng.random(free.shape) < 0.02)
+        free[-1, -1] = True
+
+
 def test_nothing_changed_is_nothing_to_do():
     grid = inflate(field.obstacle_map(0.05), 0.325)
     replanner = Replanner([4.30, 10.00])
