@@ -82,7 +82,8 @@ class LidarReading(NamedTuple):
     Attributes
     ----------
     time : float  [s]
-        When it was measured.
+        When it was measured. On a clock that has just begun at 0 the latest measurement may lie a
+        little before it.
     distance : float  [m]
         Along the beam; 0 where the sensor does not trust itself.
     strength : int

@@ -6,7 +6,7 @@ between two points of the grid, and then moves the rest of the way next time.
 
 from __future__ import annotations
 
-from math import floor
+from math import floor, pi
 from typing import Any
 
 import numpy as np
@@ -61,7 +61,8 @@ class Simulator:
     Raises
     ------
     ValueError
-        Not a model or not sensors; a start that is not a pose, or stands in an obstacle.
+        Not a model or not sensors; a gap of a dead wheel that the model lacks; a start that is
+        not a pose, or stands in an obstacle.
 
     Examples
     --------
@@ -86,6 +87,10 @@ class Simulator:
         self._light = lidar.game_field()
         self._imu_every = ticks_between(self.sensors.imu_rate)
         self._imu_table = inertial.error_table(self.sensors.imu, self._imu_every * TICK)
+        for wheel, _, _ in self.sensors.encoder_gaps:
+            if wheel >= len(self._body.dead_wheels):
+                count = len(self._body.dead_wheels)
+                raise ValueError(f"encoder_gaps: wheel {wheel} is not there, the model has {count}")
         self._start = self._free_pose(start)
         self.reset(0)
 
@@ -109,7 +114,7 @@ class Simulator:
         if start is not None:
             self._start = self._free_pose(start)
         self.clamped = 0
-        self._tick, self._part = 0, 0.0
+        self._tick, self._part, self._owed = 0, 0.0, 0.0
         self._command = np.zeros((2, 4))
         self._track = np.empty((_ROWS, physics.TRACK))
         self._state = self._at_rest(self._start, self._track)
@@ -141,7 +146,7 @@ class Simulator:
         """
         if not isinstance(dt, float | int | np.number) or not 0.0 < dt <= LONGEST_STEP:
             raise ValueError(f"dt: must be seconds above 0, at most {LONGEST_STEP:g}, got {dt!r}")
-        part = self._part + dt / TICK
+        part = self._part + self._owed + dt / TICK
         ticks = floor(part + 1e-6)
         if ticks and self._part:
             self._advance((1.0 - self._part) * TICK, 1)
@@ -153,6 +158,7 @@ class Simulator:
         if part - self._part > 1e-6:
             self._move((part - self._part) * TICK, 1)
             self._part = part
+        self._owed = part - self._part  # too short to move by, and not to be forgotten
 
     def apply(self, command: Command) -> None:
         """Drive like this from now on, until the next command.
@@ -174,7 +180,8 @@ class Simulator:
         speeds, angles = command.checked()
         # The wheels themselves end at the top speed.
         self.clamped += bool(np.abs(speeds).max() > self._body.max_speed * (1.0 + 1e-9))
-        self._command[0], self._command[1] = speeds, angles
+        # A module has no end stop; of a huge angle the direction is all that a float can still add.
+        self._command[0], self._command[1] = speeds, np.fmod(angles, 2.0 * pi)
 
     def read(self) -> Observation:
         """What the sensors say now; hands over the IMU samples since the last call.

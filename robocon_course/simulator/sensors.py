@@ -7,7 +7,8 @@ The IMU's formulas stand in `inertial`, the LiDARs' in `lidar`, known motions to
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from math import inf, pi, radians
+from math import pi, radians
+from numbers import Integral, Real
 
 from robocon_course.geometry import GRAVITY
 from robocon_course.simulator.inertial import UNCALIBRATED, ImuErrors, imu_measurements
@@ -22,6 +23,7 @@ from robocon_course.simulator.motions import (
     slow_turns,
     still,
 )
+from robocon_course.simulator.numbers import require_not_negative, require_positive
 from robocon_course.simulator.physics import TICK
 
 __all__ = [
@@ -72,12 +74,11 @@ class LidarErrors:
     reflectivity: float = 0.5
 
     def __post_init__(self) -> None:
-        for name in ("offset", "noise", "band", "spot"):
-            if not 0.0 <= getattr(self, name) < inf:
-                raise ValueError(f"{name}: must not be negative, got {getattr(self, name)!r}")
-        if self.step_mm < 1 or self.step_mm != int(self.step_mm):
+        require_not_negative(self, "offset", "noise", "band", "spot")
+        require_positive(self, "step_mm")
+        if self.step_mm != int(self.step_mm):
             raise ValueError(f"step_mm: must be whole millimetres, got {self.step_mm!r}")
-        if not 0.0 < self.reflectivity <= 1.0:
+        if not (isinstance(self.reflectivity, Real) and 0.0 < self.reflectivity <= 1.0):
             raise ValueError(f"reflectivity: between 0 and 1, got {self.reflectivity!r}")
 
 
@@ -107,14 +108,30 @@ class SensorModel:
     encoder_gaps: tuple[tuple[int, float, float], ...] = ()
 
     def __post_init__(self) -> None:
+        for name, kind in (("imu", ImuErrors), ("lidar", LidarErrors)):
+            got = getattr(self, name)
+            if not isinstance(got, kind):
+                wanted = kind.__name__
+                raise ValueError(f"{name}: expected {wanted}, got {type(got).__name__}")
+        require_positive(self, "angle_step", "speed_step")
         for name in ("imu_rate", "lidar_rate"):
             ticks_between(getattr(self, name), name)
-        for name in ("angle_step", "speed_step"):
-            if not 0.0 < getattr(self, name) < inf:
-                raise ValueError(f"{name}: must be positive, got {getattr(self, name)!r}")
-        for gap in self.encoder_gaps:
-            if len(gap) != 3 or gap[0] not in (0, 1, 2) or not gap[1] <= gap[2]:
-                raise ValueError(f"encoder_gaps: each is (wheel 0, 1 or 2, start, end), got {gap}")
+        if not isinstance(self.encoder_gaps, tuple | list) or not all(
+            map(_is_gap, self.encoder_gaps)
+        ):
+            raise ValueError(
+                "encoder_gaps: a tuple of (wheel 0, 1 or 2, start, end), seconds in order, "
+                f"got {self.encoder_gaps!r}"
+            )
+
+
+def _is_gap(gap: object) -> bool:
+    """Whether this is the number of a wheel and two times in order."""
+    if not isinstance(gap, tuple | list) or len(gap) != 3:
+        return False
+    wheel, start, end = gap
+    times = isinstance(start, Real) and isinstance(end, Real) and start <= end
+    return times and isinstance(wheel, Integral) and 0 <= wheel <= 2
 
 
 def ticks_between(rate: float, name: str = "rate") -> int:
@@ -135,7 +152,7 @@ def ticks_between(rate: float, name: str = "rate") -> int:
     ValueError
         The physics' 500 Hz is no whole multiple of it, or it is below 1 Hz.
     """
-    every = 1.0 / (TICK * rate) if rate > 0.0 else 0.0
+    every = 1.0 / (TICK * rate) if isinstance(rate, Real) and rate > 0.0 else 0.0
     if every < 0.5 or abs(every - round(every)) > 1e-6 or rate < 1.0:
         raise ValueError(f"{name}: must be 500 Hz divided by a whole number, got {rate!r}")
     return round(every)
