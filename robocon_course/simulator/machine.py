@@ -181,7 +181,8 @@ class Simulator:
         # The wheels themselves end at the top speed.
         self.clamped += bool(np.abs(speeds).max() > self._body.max_speed * (1.0 + 1e-9))
         # A module has no end stop; of a huge angle the direction is all that a float can still add.
-        self._command[0], self._command[1] = speeds, np.fmod(angles, 2.0 * pi)
+        self._command[0] = speeds
+        np.fmod(angles, 2.0 * pi, self._command[1])
 
     def read(self) -> Observation:
         """What the sensors say now; hands over the IMU samples since the last call.

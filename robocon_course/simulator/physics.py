@@ -12,7 +12,7 @@ body's velocity above it, and N = m g / 4 the load on a wheel:
 the forces that hold at its end: with K_i = μ N / max(slip, ε) the law is linear in the velocity,
 three equations; solving and taking the slip anew a few times finds the K_i (reweighted least
 squares). Walls push the body out and take the velocity that goes into them. Left out: the load
-that braking shifts to the front, and what the motors lack in strength.
+that braking or modules out of the middle shift from wheel to wheel.
 
 All kernels trust their input. They stand in one file: numba looks only here for changes.
 
