@@ -22,6 +22,9 @@ from numpy.typing import ArrayLike
 from robocon_course._arrays import FloatArray, as_floats, as_vectors
 from robocon_course.gridmap import GridMap
 
+ALONG = 1e-15
+"""A ray that slants by less never leaves its row or column, and 1 / slant stays a number."""
+
 
 @njit(cache=True)
 def walk(height, x, y, z, dx, dy, dz, reach, cells):
@@ -59,10 +62,10 @@ def walk(height, x, y, z, dx, dy, dz, reach, cells):
     room = len(cells)
     col, row = floor(x), floor(y)
     step_x, step_y = (1 if dx > 0.0 else -1), (1 if dy > 0.0 else -1)
-    every_x = 1.0 / abs(dx) if dx != 0.0 else inf
-    every_y = 1.0 / abs(dy) if dy != 0.0 else inf
-    next_x = (col + 1 - x if dx > 0.0 else x - col) * every_x if dx != 0.0 else inf
-    next_y = (row + 1 - y if dy > 0.0 else y - row) * every_y if dy != 0.0 else inf
+    every_x = 1.0 / abs(dx) if abs(dx) > ALONG else inf
+    every_y = 1.0 / abs(dy) if abs(dy) > ALONG else inf
+    next_x = (col + 1 - x if dx > 0.0 else x - col) * every_x if abs(dx) > ALONG else inf
+    next_y = (row + 1 - y if dy > 0.0 else y - row) * every_y if abs(dy) > ALONG else inf
     falls = dz < 0.0
     t, visited = 0.0, 0
     while 0 <= row < rows and 0 <= col < cols and t < reach:

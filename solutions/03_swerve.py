@@ -616,6 +616,7 @@ rounds = {
 }
 
 
+# %%
 def draw_following(path, feedforward, gain):
     """The four panels for one moving target, from (0, 0, 0)."""
     feed = feedforward == "with"

@@ -6,6 +6,12 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# The build server tries the same numbers every time; people's machines look for new ones.
+settings.register_profile("server", derandomize=True, deadline=None)
+if os.environ.get("CI") == "true":
+    settings.load_profile("server")
 
 ROOT = Path(__file__).resolve().parents[1]
 

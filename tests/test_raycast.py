@@ -8,7 +8,7 @@ from math import cos, floor, hypot, inf, nan, pi, sin, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -189,6 +189,7 @@ def test_the_walk_agrees_with_its_naive_twin(height, x, y, angle, climb, reach):
 
 @compiled
 @given(st.integers(2, 40), st.integers(2, 40), st.floats(0.01, 0.99), st.floats(0.01, 0.99), angles)
+@example(2, 27, 0.5, 1 / 3, -5e-324)  # along an edge, and 1 / slant would be infinite
 def test_in_an_empty_box_the_distance_is_that_to_the_nearest_wall(width, depth, u, v, angle):
     free = np.zeros((depth + 2, width + 2), dtype=bool)
     free[1:-1, 1:-1] = True
