@@ -16,6 +16,7 @@ from simple_pid import PID
 from turns import medians
 from wpimath.controller import PIDController
 
+from robocon_course.geometry import distance_along
 from robocon_course.tracking import (
     IncrementalPid,
     PathFollower,
@@ -23,7 +24,6 @@ from robocon_course.tracking import (
     PidGains,
     follow_path,
     path_curvature,
-    path_lengths,
     pure_pursuit,
     speed_profile,
 )
@@ -55,7 +55,7 @@ def waypoint_search(xs: list[float], ys: list[float], x: float, y: float, start:
 
 def plain_profile(max_speed: float, max_accel: float, max_lateral: float) -> list[float]:
     """The two passes of `speed_profile`, point by point."""
-    gaps = np.diff(path_lengths(PATH)).tolist()
+    gaps = np.diff(distance_along(PATH)).tolist()
     bends = np.abs(path_curvature(PATH)).tolist()
     square = [min(max_speed**2, max_lateral / bend if bend else inf) for bend in bends]
     square[0] = square[-1] = 0.0

@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from robocon_course import autopilot, field, tracking
-from robocon_course.geometry import compose, se2_exp
+from robocon_course.geometry import compose, distance_along, se2_exp
 from robocon_course.odometry import Odometry, TrackingWheels
 from robocon_course.simulator import IDEAL, Simulator
 from robocon_course.tracking import (
@@ -40,7 +40,7 @@ STRAIGHT = np.array([[0.0, 0.0], [2.0, 0.0]])
 def fine(path, spacing: float = 0.01) -> np.ndarray:
     """The same path with more points, its own among them."""
     path = np.asarray(path, float)
-    s = tracking.path_lengths(path)
+    s = distance_along(path)
     places = np.union1d(np.linspace(0.0, s[-1], round(s[-1] / spacing) + 1), s)
     return np.column_stack([np.interp(places, s, path[:, 0]), np.interp(places, s, path[:, 1])])
 
@@ -137,7 +137,7 @@ def test_the_target_is_the_first_point_that_a_walk_along_the_path_finds(path, po
     foot = nearest_point(path, pose[:2], 0, lookahead)
     assume(foot.distance < lookahead - 0.01)
     rest = np.array([foot.xy, *path[foot.index + 1 :]])
-    for point in fine(rest, 0.001) if tracking.path_lengths(rest)[-1] > 0.0 else rest:
+    for point in fine(rest, 0.001) if distance_along(rest)[-1] > 0.0 else rest:
         if hypot(point[0] - pose[0], point[1] - pose[1]) >= lookahead:
             break
     target = pure_pursuit(path, pose, lookahead).target
@@ -196,7 +196,7 @@ def test_a_path_that_crosses_itself_is_driven_to_its_end():
     way = np.diff(path[:2], axis=0)[0]
     poses, indices = drive_by_pursuit(path, [*path[0], atan2(way[1], way[0])], 0.2)
     assert indices[-1] == len(path) - 2 and indices == sorted(indices)
-    assert len(poses) * 0.01 == pytest.approx(tracking.path_lengths(path)[-1], rel=0.03)
+    assert len(poses) * 0.01 == pytest.approx(distance_along(path)[-1], rel=0.03)
     # A search of the whole path confuses the two branches in the middle.
     assert nearest_point(path, path[3]).index in (2, 3)
     assert nearest_point(path, path[3], 150, 0.2).index in range(190, 210)
@@ -272,7 +272,7 @@ def slow_profile(path, max_speed, max_accel, max_lateral, start, end) -> np.ndar
     bend = np.abs(tracking.path_curvature(path))
     v = [min(max_speed, sqrt(max_lateral / k) if k > 0.0 else inf) for k in bend]
     v[0], v[-1] = min(v[0], start), min(v[-1], end)
-    gaps = np.diff(tracking.path_lengths(path))
+    gaps = np.diff(distance_along(path))
     for k in range(1, len(v)):
         v[k] = min(v[k], sqrt(v[k - 1] ** 2 + 2.0 * max_accel * gaps[k - 1]))
     for k in range(len(v) - 2, -1, -1):
@@ -300,7 +300,7 @@ def test_the_profile_equals_two_passes_point_by_point(path, speed, accel, latera
 @given(paths, *[st.floats(0.1, 5.0)] * 3)
 def test_the_profile_keeps_all_limits_and_nothing_below_them_is_faster(path, speed, accel, lateral):
     v = speed_profile(path, speed, accel, lateral)
-    gaps = np.diff(tracking.path_lengths(path))
+    gaps = np.diff(distance_along(path))
     assert v.max() <= speed + 1e-9 and v[0] == v[-1] == 0.0
     assert (v**2 * np.abs(tracking.path_curvature(path)) <= lateral + 1e-9).all()
     assert (np.abs(np.diff(v**2)) <= 2.0 * accel * gaps + 1e-9).all()
@@ -644,7 +644,7 @@ def test_the_published_paths_are_kept_within_3_cm_and_their_ends_within_1(waypoi
     assert np.abs(off).max() < 0.03 < max(map(abs, PUBLISHED[top]))
     assert hypot(*(poses[-1, :2] - waypoints[-1])) < 0.01
     # Neither by creeping: with acceleration, corners and end it takes a quarter more than the way.
-    assert DT * len(poses) < 1.6 * tracking.path_lengths(waypoints)[-1] / top
+    assert DT * len(poses) < 1.6 * distance_along(waypoints)[-1] / top
 
 
 @pytest.mark.parametrize("top", PUBLISHED)

@@ -6,12 +6,14 @@ hole in the result.
 
 ===============  ========================================================
 ``angles``       `wrap_angle`
+``paths``        `distance_along`
 ``poses``        SE(2): poses (x, y, theta) and twists (vx, vy, omega)
 ``quaternions``  attitudes in space (w, x, y, z), for the IMU
 ===============  ========================================================
 """
 
 from robocon_course.geometry.angles import TURN, wrap_angle
+from robocon_course.geometry.paths import distance_along
 from robocon_course.geometry.poses import compose, inverse, se2_exp, se2_log, transform_points
 from robocon_course.geometry.quaternions import (
     quaternion_conjugate,
@@ -29,6 +31,7 @@ __all__ = [
     "GRAVITY",
     "TURN",
     "compose",
+    "distance_along",
     "inverse",
     "quaternion_conjugate",
     "quaternion_from_euler",

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robocon_course._arrays import FloatArray, as_floats
+from robocon_course.geometry import distance_along
 
 
 def as_path(xy: ArrayLike) -> FloatArray:
@@ -140,26 +141,6 @@ def resample_path(xy: ArrayLike, spacing: float) -> FloatArray:
         return points[:1].copy()
     at = np.linspace(0.0, along[-1], pieces + 1)
     return np.column_stack([np.interp(at, along, axis) for axis in points.T])
-
-
-def distance_along(xy: ArrayLike) -> FloatArray:
-    """Distance gone along a way until each of its points.
-
-    Parameters
-    ----------
-    xy : array_like, shape (n, 2)  [m, map]
-
-    Returns
-    -------
-    ndarray, shape (n,)  [m]
-
-    Raises
-    ------
-    ValueError
-        Another shape, or not finite.
-    """
-    legs = np.hypot(*np.diff(as_path(xy), axis=0).T)
-    return np.concatenate([[0.0], np.cumsum(legs)])
 
 
 def subdivided(xy: ArrayLike, spacing: float) -> FloatArray:

@@ -38,7 +38,7 @@ from robocon_course.tracking.pid import (
     PidTerms,
     pid_step,
 )
-from robocon_course.tracking.polyline import PathPoint, nearest_point, path_lengths
+from robocon_course.tracking.polyline import PathPoint, nearest_point
 from robocon_course.tracking.profile import path_curvature, profile_times, speed_profile
 from robocon_course.tracking.pursuit import Pursuit, lookahead_distance, pure_pursuit
 from robocon_course.tracking.tuning import (
@@ -75,7 +75,6 @@ __all__ = [
     "lookahead_distance",
     "nearest_point",
     "path_curvature",
-    "path_lengths",
     "pid_step",
     "profile_times",
     "pure_pursuit",

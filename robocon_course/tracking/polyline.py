@@ -202,31 +202,6 @@ def nearest_point(
     return PathPoint(index, share, (px, py), away)
 
 
-def path_lengths(path: ArrayLike) -> FloatArray:
-    """Way from the beginning of a path to each of its points.
-
-    Parameters
-    ----------
-    path : array_like, shape (n, 2)  [m, map]
-
-    Returns
-    -------
-    ndarray, shape (n,)  [m]
-
-    Raises
-    ------
-    ValueError
-        No path.
-
-    Examples
-    --------
-    >>> path_lengths([[0, 0], [3, 4], [3, 5]]).tolist()
-    [0.0, 5.0, 6.0]
-    """
-    steps = np.diff(as_path(path), axis=0)
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
-
-
 def as_path(path: ArrayLike) -> FloatArray:
     """A path as an array of two points or more, or a refusal.
 

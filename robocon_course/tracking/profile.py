@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robocon_course._arrays import FloatArray, as_floats
-from robocon_course.geometry import wrap_angle
-from robocon_course.tracking.polyline import as_path, path_lengths
+from robocon_course.geometry import distance_along, wrap_angle
+from robocon_course.tracking.polyline import as_path
 
 
 def path_curvature(path: ArrayLike) -> FloatArray:
@@ -120,7 +120,7 @@ def speed_profile(
         square = np.minimum(max_speed**2, max_lateral_accel / bend)
     square[0] = min(square[0], start_speed**2)
     square[-1] = min(square[-1], end_speed**2)
-    gained = 2.0 * max_accel * path_lengths(path)  # v₁² <= v₀² + 2 a Δs
+    gained = 2.0 * max_accel * distance_along(path)  # v₁² <= v₀² + 2 a Δs
     square = np.minimum.accumulate(square - gained) + gained
     square = np.minimum.accumulate((square + gained)[::-1])[::-1] - gained
     return np.sqrt(np.maximum(square, 0.0))
@@ -149,7 +149,7 @@ def profile_times(path: ArrayLike, speeds: ArrayLike) -> FloatArray:
     >>> profile_times([[0, 0], [1, 0], [2, 0]], [0.0, 2.0, 2.0]).tolist()
     [0.0, 1.0, 1.5]
     """
-    lengths = np.diff(path_lengths(path))
+    lengths = np.diff(distance_along(as_path(path)))
     speeds = as_floats(speeds, "speeds", len(lengths) + 1)
     means = 0.5 * (speeds[:-1] + speeds[1:])  # exact: the acceleration is constant between
     if (speeds < 0.0).any() or (means[lengths > 0.0] == 0.0).any():

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray, freeze_arrays
-from robocon_course.geometry import quaternion_from_euler
+from robocon_course.geometry import distance_along, quaternion_from_euler
 from robocon_course.odometry import TrackingWheels, integrate, tick_changes
 from robocon_course.simulator.sensors import ImuErrors, imu_measurements
 from robocon_course.worlds.robot import LEFT, RIGHT, own_wheels
@@ -57,8 +57,7 @@ class WheelLog:
     @property
     def distance(self) -> FloatArray:
         """How far the robot has driven, shape (n + 1,) [m]."""
-        steps = np.hypot(*np.diff(self.poses[:, :2], axis=0).T)
-        return np.concatenate([[0.0], np.cumsum(steps)])
+        return distance_along(self.poses[:, :2])
 
 
 @dataclass(frozen=True)
