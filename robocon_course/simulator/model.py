@@ -12,7 +12,7 @@ from robocon_course._arrays import FloatArray, as_floats, frozen
 from robocon_course.field import FLOOR_TABLE, OBSTACLES, SIZE
 from robocon_course.odometry import TrackingWheels
 from robocon_course.robot import BATTERY, DEAD_WHEELS, MASS, MAX_SPEED, MODULES, SIDE
-from robocon_course.simulator.numbers import require_not_negative, require_positive
+from robocon_course.simulator.numbers import require
 from robocon_course.simulator.physics import Body, World
 
 OUTWARDS = 1.0
@@ -76,10 +76,10 @@ class RobotModel:
         if not isinstance(self.dead_wheels, TrackingWheels):
             kind = type(self.dead_wheels).__name__
             raise ValueError(f"dead_wheels: expected TrackingWheels, got {kind}")
-        require_positive(self, "side", "mass", "steering_rate", "drive_acceleration")
-        require_positive(self, "drive_force", "max_speed")
-        require_not_negative(self, "friction", "wall_friction", "steering_lag", "drive_lag")
-        require_not_negative(self, "resistance")
+        above = ("side", "mass", "steering_rate", "drive_acceleration", "drive_force", "max_speed")
+        require(self, *above)
+        or_zero = ("friction", "wall_friction", "steering_lag", "drive_lag", "resistance")
+        require(self, *or_zero, zero=True)
         if np.linalg.matrix_rank(modules - modules.mean(axis=0), tol=1e-6) < 2:
             raise ValueError("modules: they stand on one line; a robot needs a base to stand on")
 

@@ -6,7 +6,7 @@ from math import inf
 from numbers import Real
 
 
-def require_positive(record: object, *names: str) -> None:
+def require(record: object, *names: str, zero: bool = False) -> None:
     """Refuse a record in which one of these is not a finite number above 0.
 
     Parameters
@@ -14,33 +14,16 @@ def require_positive(record: object, *names: str) -> None:
     record : object
     *names : str
         Of its attributes.
+    zero : bool
+        Whether 0 may pass, too.
 
     Raises
     ------
     ValueError
         The first that is none, with its name.
     """
+    rule = "must not be negative" if zero else "must be positive"
     for name in names:
         value = getattr(record, name)
-        if not (isinstance(value, Real) and 0.0 < value < inf):
-            raise ValueError(f"{name}: must be positive, got {value!r}")
-
-
-def require_not_negative(record: object, *names: str) -> None:
-    """Refuse a record in which one of these is not a finite number, 0 or more.
-
-    Parameters
-    ----------
-    record : object
-    *names : str
-        Of its attributes.
-
-    Raises
-    ------
-    ValueError
-        The first that is none, with its name.
-    """
-    for name in names:
-        value = getattr(record, name)
-        if not (isinstance(value, Real) and 0.0 <= value < inf):
-            raise ValueError(f"{name}: must not be negative, got {value!r}")
+        if not (isinstance(value, Real) and 0.0 <= value < inf and (zero or value > 0.0)):
+            raise ValueError(f"{name}: {rule}, got {value!r}")

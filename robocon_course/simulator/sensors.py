@@ -23,7 +23,7 @@ from robocon_course.simulator.motions import (
     slow_turns,
     still,
 )
-from robocon_course.simulator.numbers import require_not_negative, require_positive
+from robocon_course.simulator.numbers import require
 from robocon_course.simulator.physics import TICK
 
 __all__ = [
@@ -74,8 +74,8 @@ class LidarErrors:
     reflectivity: float = 0.5
 
     def __post_init__(self) -> None:
-        require_not_negative(self, "offset", "noise", "band", "spot")
-        require_positive(self, "step_mm")
+        require(self, "offset", "noise", "band", "spot", zero=True)
+        require(self, "step_mm")
         if self.step_mm != int(self.step_mm):
             raise ValueError(f"step_mm: must be whole millimetres, got {self.step_mm!r}")
         if not (isinstance(self.reflectivity, Real) and 0.0 < self.reflectivity <= 1.0):
@@ -113,7 +113,7 @@ class SensorModel:
             if not isinstance(got, kind):
                 wanted = kind.__name__
                 raise ValueError(f"{name}: expected {wanted}, got {type(got).__name__}")
-        require_positive(self, "angle_step", "speed_step")
+        require(self, "angle_step", "speed_step")
         for name in ("imu_rate", "lidar_rate"):
             ticks_between(getattr(self, name), name)
         if not isinstance(self.encoder_gaps, tuple | list) or not all(
