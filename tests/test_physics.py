@@ -24,17 +24,11 @@ MODEL = RobotModel()
 
 
 def robot(pose=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), speeds=0.0, angles=0.0):
-    return physics.State(
-        pose=np.array(pose, float),
-        velocity=np.array([*velocity, 0.0]),
-        floor=np.zeros(3),
-        angles=np.zeros(4) + angles,
-        speeds=np.zeros(4) + speeds,
-        travel=np.zeros(3),
-        wheels=np.zeros((4, 10)),
-        battery=np.array([24.0]),
-        contact=np.zeros(2, np.int64),
-    )
+    state = physics.State.at_rest(np.array(pose, float), MODEL.body())
+    state.velocity[:3] = velocity
+    state.angles[:] = angles
+    state.speeds[:] = speeds
+    return state
 
 
 def run(state, seconds, speeds=0.0, angles=0.0, *, model=MODEL, floor=FLAT, boxes=NOTHING):

@@ -14,14 +14,7 @@ from numpy.typing import ArrayLike
 
 from robocon_course import field
 from robocon_course._arrays import FloatArray, as_floats
-from robocon_course.robot import (
-    BATTERY,
-    LIDAR_HEIGHT,
-    LIDARS,
-    Command,
-    LidarReading,
-    Observation,
-)
+from robocon_course.robot import LIDAR_HEIGHT, LIDARS, Command, LidarReading, Observation
 from robocon_course.simulator import inertial, lidar, physics
 from robocon_course.simulator.model import RobotModel, game_field
 from robocon_course.simulator.noise import Noise
@@ -241,17 +234,7 @@ class Simulator:
 
     def _at_rest(self, pose: FloatArray, track: FloatArray) -> physics.State:
         """All that moves, at rest at a pose (also in track row 0), pushed out of any obstacle."""
-        state = physics.State(
-            pose=pose.copy(),
-            velocity=np.zeros(4),
-            floor=np.zeros(3),
-            angles=np.zeros(4),
-            speeds=np.zeros(4),
-            travel=np.zeros(len(self._body.dead_wheels)),
-            wheels=np.zeros((4, 10)),
-            battery=np.array([BATTERY]),
-            contact=np.zeros(2, np.int64),
-        )
+        state = physics.State.at_rest(pose, self._body)
         physics.advance(state, np.zeros((2, 4)), self._body, self._world, TICK, 0, 0, track)
         state.contact[1] = 0
         return state

@@ -106,6 +106,21 @@ class State(NamedTuple):
     battery: FloatArray
     contact: np.ndarray
 
+    @classmethod
+    def at_rest(cls, pose: FloatArray, body: Body) -> State:
+        """All that moves, at a pose (3,) [m, m, rad; map], standing still and not yet set down."""
+        return cls(
+            pose=pose.copy(),
+            velocity=np.zeros(4),
+            floor=np.zeros(3),
+            angles=np.zeros(4),
+            speeds=np.zeros(4),
+            travel=np.zeros(len(body.dead_wheels)),
+            wheels=np.zeros((4, 10)),
+            battery=np.array([body.battery]),
+            contact=np.zeros(2, np.int64),
+        )
+
 
 class World(NamedTuple):
     """What the robot stands on and runs into.
