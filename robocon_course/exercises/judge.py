@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import copy
-import importlib
 import math
 import sys
 from collections.abc import Callable, Sequence
-from importlib.util import find_spec
 from typing import Any
 
 from robocon_course.answers.process import AnswerProcess, Reply
@@ -22,7 +20,7 @@ from robocon_course.exercises.model import (
     Outcome,
     Verdict,
 )
-from robocon_course.exercises.source import Answer
+from robocon_course.exercises.source import Answer, advice_on_missing
 from robocon_course.worlds import Student, generator
 
 Ask = Callable[[tuple], Reply]
@@ -76,7 +74,7 @@ def judge_answer(
 ) -> Verdict:
     """Judge an assembled answer inside a running process."""
     if answer.missing:
-        return no_answer(exercise, _not_given(answer, exercise.chapter))
+        return no_answer(exercise, advice_on_missing(answer, exercise.chapter))
     process.allow(min(exercise.time_limit, time_limit))
     loaded = process.load(answer.text, exercise.blocked)
     if loaded.error:
@@ -87,24 +85,6 @@ def judge_answer(
 def no_answer(exercise: Exercise | Number, message: str) -> Verdict:
     """The verdict on code that could not be tried at all."""
     return Verdict(exercise.id, Outcome.ERROR, 0.0, exercise.points, message)
-
-
-def _not_given(answer: Answer, topic: str) -> str:
-    """What to do about names that an answer uses and the robot does not have."""
-    text = f"{answer.name} uses {', '.join(answer.missing)}, which it is not given. "
-    modules = [name for name in answer.missing if name in sys.stdlib_module_names]
-    if modules:
-        lines = " and ".join(f"import {name}" for name in modules)
-        return text + f"Write {lines} above the function, run the cell, and check again."
-    for place in (f"robocon_course.{topic}", "robocon_course.geometry"):
-        room = importlib.import_module(place) if find_spec(place) else None
-        for name in answer.missing:
-            if hasattr(room, name):
-                return text + f"Write {place.partition('.')[2]}.{name}."
-    return text + (
-        "In the robot there is no notebook: work it out inside the function, or write a constant "
-        "in CAPITALS. If it is a module such as np, run the notebook's first cell again."
-    )
 
 
 def judge_number(number: Number, value: Any, student: Student = 0) -> Verdict:

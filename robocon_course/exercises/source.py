@@ -10,14 +10,17 @@ from __future__ import annotations
 import ast
 import builtins
 import dis
+import importlib
 import inspect
 import linecache
 import math
 import re
+import sys
 import textwrap
 import types
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -70,6 +73,24 @@ def assemble(name: str, lookup: Lookup) -> Answer | None:
     ordered = sorted(dict.fromkeys(statements), key=lambda text: not _is_import(text))
     text = "\n\n".join(["from __future__ import annotations", *ordered]) + "\n"
     return Answer(name, text, tuple(missing))
+
+
+def advice_on_missing(answer: Answer, topic: str) -> str:
+    """What to do about names that an answer uses and the robot does not have."""
+    text = f"{answer.name} uses {', '.join(answer.missing)}, which it is not given. "
+    modules = [name for name in answer.missing if name in sys.stdlib_module_names]
+    if modules:
+        lines = " and ".join(f"import {name}" for name in modules)
+        return text + f"Write {lines} above the function, run the cell, and check again."
+    for place in (f"robocon_course.{topic}", "robocon_course.geometry"):
+        room = importlib.import_module(place) if find_spec(place) else None
+        for name in answer.missing:
+            if hasattr(room, name):
+                return text + f"Write {place.partition('.')[2]}.{name}."
+    return text + (
+        "In the robot there is no notebook: work it out inside the function, or write a constant "
+        "in CAPITALS. If it is a module such as np, run the notebook's first cell again."
+    )
 
 
 def free_names(text: str) -> list[str]:
