@@ -431,6 +431,7 @@ lap = np.array([(2.0, 0.0, 0.0), (0.0, 0.0, np.pi / 2)] * 4)
 lap = np.repeat(lap / 50, 50, axis=0)
 
 
+# %%
 def draw_square(left_radius, track, rear):
     """The square as it seems with wrong sizes: per cent, mm, mm."""
     shift = np.array([[0, track / 2], [0, -track / 2], [-rear, 0]]) / 1000
@@ -799,6 +800,7 @@ def sizes(parts):
     return parts.calibrate_wheels(DEAD_WHEELS, run, np.array(worlds.RUN), spin, worlds.SPIN)
 
 
+# %%
 def run(parts, drive, heading="fused", at_rest=True):
     """Poses of a drive on some parts, and their errors [m, deg]."""
     wheels = DEAD_WHEELS if drive.wheels is DEAD_WHEELS else sizes(parts)
