@@ -11,6 +11,7 @@ from PIL import Image, ImageDraw
 
 from robocon_course import field, robot
 from robocon_course.autopilot import Parts, module_command
+from robocon_course.geometry import wrap_angle
 from robocon_course.simulator import Simulator
 from robocon_course.view.body import RobotPicture, robot_shapes
 from robocon_course.view.canvas import MINE, TRUTH
@@ -79,7 +80,7 @@ class Ride:
     def readout(self) -> str:
         """Pose, LiDARs and contact in two lines."""
         x, y, theta = self.pose
-        heading = (np.degrees(theta) + 180.0) % 360.0 - 180.0
+        heading = float(np.degrees(wrap_angle(theta)))
         beams = ", ".join(
             f"{mount.name} {reading.distance:.2f}" if reading.distance else f"{mount.name} –"
             for mount, reading in zip(robot.LIDARS, self.observation.lidar, strict=True)
