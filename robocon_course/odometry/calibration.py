@@ -229,6 +229,7 @@ def _plausible(
 ) -> None:
     if (np.abs(found - nominal) > reach).any():
         raise ValueError(
-            f"{name}: they make the {sizes} {found.round(4).tolist()}, more than 20 % off; "
-            "look for swapped wheels, a counter that runs backwards, and units (m, rad)"
+            f"{name}: they make the {sizes} {found.round(4).tolist()}, more than "
+            f"{100 * PLAUSIBLE:g} % off; look for swapped wheels, a counter that runs backwards, "
+            "and units (m, rad)"
         )
