@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robocon_course import geometry, imu, odometry, swerve
+from robocon_course import geometry, imu, odometry, swerve, tracking
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.drivetrain import wheel_matrix
 from robocon_course.geometry import TURN
@@ -45,6 +45,10 @@ class Parts:
     integrate: Part = odometry.integrate
     body_velocity: Part = odometry.body_velocity
     calibrate_wheels: Part = odometry.calibrate_wheels
+    speed_profile: Part = tracking.speed_profile
+    nearest_point: Part = tracking.nearest_point
+    pure_pursuit: Part = tracking.pure_pursuit
+    pid_step: Part = tracking.pid_step
     pose_feedback: Part = swerve.pose_feedback
     field_to_robot: Part = swerve.field_to_robot
     discretize: Part = swerve.discretize

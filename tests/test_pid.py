@@ -194,7 +194,7 @@ def test_the_pure_step_is_the_same_controller(rows, gains, limits):
     pid, state = Pid(gains, limits), PidState()
     for row in rows:
         before = repr(state)
-        after = pid_step(state, *row, gains, limits=limits)
+        after = pid_step(state, *row, gains, limits)
         assert repr(state) == before
         state = after
         assert state.output == pid.update(*row)

@@ -1,8 +1,8 @@
 """Chapter 05: how does the robot stay on its path, and how fast may it go there?
 
-    path → speed_profile → (pure_pursuit → curvature → wheels)      a robot that steers
-                           (follow_path → twist → modules)          a robot that drives anywhere
-    setpoint, measurement → Pid → actuator
+    path → speed_profile → speed ┐
+    path, pose → pure_pursuit → curvature → turn rate of a cart, course of a swerve robot
+    setpoint, measurement → pid_step → actuator
 
 ================  ==================================================================
 ``pid``           `Pid` with limits, anti-windup and no kick; the same as a pure step
@@ -11,25 +11,23 @@
 ``polyline``      nearest point and look-ahead point of a path
 ``pursuit``       the circle that leads to the look-ahead point
 ``profile``       curvature of a path, and the speed it allows at each point
-``following``     path and speeds -> velocity of a swerve robot
 ``differential``  a robot with two wheels to practise on
+``cart``          the same with its own odometry
+``trial``         its whole loop along a path, with faults; kernels in ``loop``
+``search``        settings for a robot and a path, found by trials
 ================  ==================================================================
 """
 
+from robocon_course.tracking.cart import Cart
 from robocon_course.tracking.differential import (
+    DT,
     DifferentialModel,
     DifferentialState,
     differential_step,
     wheel_speeds,
 )
-from robocon_course.tracking.following import (
-    FollowerState,
-    LookAhead,
-    PathFollower,
-    PathTwist,
-    follow_path,
-)
 from robocon_course.tracking.incremental import IncrementalPid
+from robocon_course.tracking.loop import ARRIVED, CREEP, REACH
 from robocon_course.tracking.pid import (
     Pid,
     PidGains,
@@ -38,9 +36,18 @@ from robocon_course.tracking.pid import (
     PidTerms,
     pid_step,
 )
-from robocon_course.tracking.polyline import PathPoint, nearest_point
+from robocon_course.tracking.polyline import PathPoint, lookahead_point, nearest_point
 from robocon_course.tracking.profile import path_curvature, profile_times, speed_profile
-from robocon_course.tracking.pursuit import Pursuit, lookahead_distance, pure_pursuit
+from robocon_course.tracking.pursuit import TOLERANCE, Pursuit, lookahead_distance, pure_pursuit
+from robocon_course.tracking.search import tune
+from robocon_course.tracking.trial import (
+    ACCEL,
+    Faults,
+    TrackingSettings,
+    Trial,
+    time_allowed,
+    trial,
+)
 from robocon_course.tracking.tuning import (
     Critical,
     NoOscillationError,
@@ -51,34 +58,43 @@ from robocon_course.tracking.tuning import (
 )
 
 __all__ = [
+    "ACCEL",
+    "ARRIVED",
+    "CREEP",
+    "DT",
+    "REACH",
+    "TOLERANCE",
+    "Cart",
     "Critical",
     "DifferentialModel",
     "DifferentialState",
-    "FollowerState",
+    "Faults",
     "IncrementalPid",
-    "LookAhead",
     "NoOscillationError",
     "Oscillation",
-    "PathFollower",
     "PathPoint",
-    "PathTwist",
     "Pid",
     "PidGains",
     "PidLimits",
     "PidState",
     "PidTerms",
     "Pursuit",
+    "TrackingSettings",
+    "Trial",
     "critical_gain",
     "differential_step",
     "find_oscillation",
-    "follow_path",
     "lookahead_distance",
+    "lookahead_point",
     "nearest_point",
     "path_curvature",
     "pid_step",
     "profile_times",
     "pure_pursuit",
     "speed_profile",
+    "time_allowed",
+    "trial",
+    "tune",
     "wheel_speeds",
     "ziegler_nichols",
 ]

@@ -13,14 +13,76 @@ Surabaya: differential drive, a loop of 10 ms, P_cr = 21 x 10 ms.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, inf, pi
+from math import cos, exp, inf, pi, sin
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from robocon_course._arrays import FloatArray, as_floats
-from robocon_course.geometry import compose, se2_exp
+
+DT = 0.01
+"""Period of the practice robot's loop [s]."""
+
+
+@njit(cache=True)
+def roll(x, y, theta, left, right, wheel_base):
+    """The pose after both wheels have rolled so far, along an exact arc. It trusts its input.
+
+    Parameters
+    ----------
+    x, y, theta : float  [m, m, rad; map]
+    left, right : float  [m]
+    wheel_base : float  [m]
+
+    Returns
+    -------
+    tuple of 3 floats  [m, m, rad; map]
+    """
+    turn = (right - left) / wheel_base
+    half = 0.5 * turn
+    # An arc's chord points along the heading halfway and is shorter by sin(half) / half.
+    chord = 0.5 * (left + right) * (sin(half) / half if half != 0.0 else 1.0)
+    return x + chord * cos(theta + half), y + chord * sin(theta + half), theta + turn
+
+
+@njit(cache=True)
+def near(speed, command, dt, lag):
+    """Speed of a wheel and what it rolled, one step nearer to its command. It trusts its input.
+
+    Parameters
+    ----------
+    speed, command : float  [m/s]
+    dt, lag : float  [s]
+
+    Returns
+    -------
+    tuple of 2 floats  [m/s, m]
+    """
+    # v = c + (v0 - c) exp(-t / lag), and its integral over the step
+    left_over = exp(-dt / lag)
+    behind = speed - command
+    return command + behind * left_over, command * dt + behind * lag * (1.0 - left_over)
+
+
+@njit(cache=True)
+def share_out(speed, turn, wheel_base, max_speed):
+    """Speeds of both wheels for a motion; the turn has precedence. It trusts its input.
+
+    Parameters
+    ----------
+    speed, turn : float  [m/s, rad/s]
+    wheel_base, max_speed : float  [m, m/s]
+
+    Returns
+    -------
+    tuple of 2 floats  [m/s]
+    """
+    turning = min(max(0.5 * wheel_base * turn, -max_speed), max_speed)
+    room = max_speed - abs(turning)
+    forward = min(max(speed, -room), room)
+    return forward - turning, forward + turning
 
 
 @dataclass(frozen=True)
@@ -152,14 +214,15 @@ def differential_step(
     command = as_floats(command, "command", 2)
     if not 0.0 < dt < inf:
         raise ValueError(f"dt: must be a positive number of seconds, got {dt!r}")
-    # v = c + (v0 - c) exp(-t / lag), and its integral over the step
-    left_over = exp(-dt / model.lag)
-    behind = state.speeds - state.waiting
-    rolled = state.waiting * dt + behind * model.lag * (1.0 - left_over)
-    motion = np.array([rolled.mean(), 0.0, (rolled[1] - rolled[0]) / model.wheel_base])
+    moved = [
+        near(float(v), float(c), dt, model.lag)
+        for v, c in zip(state.speeds, state.waiting, strict=True)
+    ]
+    speeds, rolled = zip(*moved, strict=True)
+    pose = roll(*map(float, state.pose), *rolled, model.wheel_base)
     return DifferentialState(
-        pose=compose(state.pose, se2_exp(motion)),
-        speeds=state.waiting + behind * left_over,
+        pose=np.array(pose),
+        speeds=np.array(speeds),
         travel=state.travel + rolled,
         waiting=command.clip(-model.max_speed, model.max_speed),
     )
@@ -190,8 +253,4 @@ def wheel_speeds(
     >>> wheel_speeds(0.7, 2.0).round(3).tolist()
     [0.2, 0.8]
     """
-    turning = 0.5 * model.wheel_base * turn
-    turning = min(max(turning, -model.max_speed), model.max_speed)
-    room = model.max_speed - abs(turning)
-    forward = min(max(speed, -room), room)
-    return np.array([forward - turning, forward + turning])
+    return np.array(share_out(float(speed), float(turn), model.wheel_base, model.max_speed))

@@ -202,6 +202,49 @@ def nearest_point(
     return PathPoint(index, share, (px, py), away)
 
 
+def lookahead_point(
+    path: ArrayLike, point: ArrayLike, lookahead: float, index: int = 0, share: float = 0.0
+) -> PathPoint:
+    """The first point of a path that is so far away from a place, searched from a point of it on.
+
+    Parameters
+    ----------
+    path : array_like, shape (n, 2)  [m, map]
+    point : array_like, shape (2,)  [m, map]
+    lookahead : float  [m]
+        Straight from the place.
+    index : int
+        Segment from which the search begins.
+    share : float
+        Of that segment, 0 to 1: as `nearest_point` gives both.
+
+    Returns
+    -------
+    PathPoint
+        Where the search begins if that is as far away already; the end of the path if nothing is.
+
+    Raises
+    ------
+    ValueError
+        No path, a point that is not finite, a look-ahead that is not positive, or a start that is
+        not on the path.
+
+    Examples
+    --------
+    >>> lookahead_point([[0.0, 0.0], [2.0, 0.0]], [0.5, 0.0], 0.5)
+    PathPoint(index=0, share=0.5, xy=(1.0, 0.0), distance=0.5)
+    """
+    path, (x, y) = as_path(path), as_floats(point, "point", 2).tolist()
+    check_start(path, int(index))
+    if not (0.0 < lookahead < inf and 0.0 <= share <= 1.0):
+        raise ValueError(
+            f"lookahead, share: expected metres above 0 and a share from 0 to 1, got {lookahead} "
+            f"and {share}"
+        )
+    segment, s, tx, ty = ahead(path, x, y, int(index), float(share), float(lookahead))
+    return PathPoint(segment, s, (tx, ty), hypot(tx - x, ty - y))
+
+
 def as_path(path: ArrayLike) -> FloatArray:
     """A path as an array of two points or more, or a refusal.
 

@@ -96,7 +96,7 @@ def speed_profile(
     Notes
     -----
     A robot that stands at the start reads a speed of 0 there: the loop has to give it a little more
-    (``creep`` of `follow_path`), or look at a point ahead.
+    (`tracking.CREEP`), or look at a point ahead.
 
     Examples
     --------

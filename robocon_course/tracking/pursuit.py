@@ -21,6 +21,7 @@ from math import cos, inf, sin
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike
 
 from robocon_course._arrays import FloatArray, as_floats
@@ -51,6 +52,25 @@ class Pursuit(NamedTuple):
     done: bool
 
 
+@njit(cache=True)
+def bend(dx, dy, theta):
+    """Curvature of the circle that touches a heading and leads to a point. It trusts its input.
+
+    Parameters
+    ----------
+    dx, dy : float  [m, map]
+        From the robot to the point.
+    theta : float  [rad, map]
+
+    Returns
+    -------
+    float  [1/m]
+    """
+    square = dx * dx + dy * dy
+    # Coulter 1992: κ = 2 y / d², y to the left of the heading
+    return 2.0 * (cos(theta) * dy - sin(theta) * dx) / square if square > 0.0 else 0.0
+
+
 def pursue(
     path: FloatArray,
     pose: tuple[float, float, float],
@@ -75,11 +95,7 @@ def pursue(
     x, y, theta = pose
     (index, _, _, _, away), (segment, share, tx, ty), way = look(path, x, y, start, lookahead)
     at_end = share == 1.0 and segment == len(path) - 2
-    dx, dy = tx - x, ty - y
-    # Coulter 1992: κ = 2 y / d², y to the left of the heading
-    square = dx * dx + dy * dy
-    left = cos(theta) * dy - sin(theta) * dx
-    curvature = 2.0 * left / square if square > 0.0 else 0.0
+    curvature = bend(tx - x, ty - y, theta)
     return Pursuit(curvature, (tx, ty), index, at_end and way <= tolerance and away < lookahead)
 
 

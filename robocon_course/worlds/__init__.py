@@ -5,6 +5,7 @@
 ``imu``      chapter 01: a phone's IMU and its logs
 ``robot``    one student's robot, not quite as drawn
 ``swerve``   chapter 03: its modules, a log of them, and a wet floor
+``practice`` chapter 05: a cart of one's own, carts and paths nobody has seen
 ``wheels``   chapter 02: its dead wheels and the logs they recorded
 ``drive``    drives of that robot in the simulator
 ===========  ====================================================
@@ -30,6 +31,15 @@ from robocon_course.worlds.imu import (
     rest_means,
     rough_drive,
 )
+from robocon_course.worlds.practice import (
+    PUBLISHED,
+    SOURCE_PATHS,
+    PracticeWorld,
+    finely,
+    practice_world,
+    some_cart,
+    winding_path,
+)
 from robocon_course.worlds.robot import own_robot, own_wheels
 from robocon_course.worlds.student import Student, generator, student_number
 from robocon_course.worlds.swerve import SlipLog, SwerveWorld, slip_log, swerve_world
@@ -54,12 +64,15 @@ __all__ = [
     "DT",
     "LEAN",
     "MATCH",
+    "PUBLISHED",
     "RUN",
+    "SOURCE_PATHS",
     "SPIN",
     "SQUARE",
     "DriveLog",
     "ImuWorld",
     "OdometryWorld",
+    "PracticeWorld",
     "RoughDrive",
     "Rung",
     "SlipLog",
@@ -69,6 +82,7 @@ __all__ = [
     "bumps",
     "drive_log",
     "failures",
+    "finely",
     "generator",
     "gyro_of",
     "imu_rungs",
@@ -77,13 +91,16 @@ __all__ = [
     "own_imu",
     "own_robot",
     "own_wheels",
+    "practice_world",
     "random_legs",
     "rest_means",
     "rough_drive",
     "rough_drive_log",
     "simulated_drive",
     "slip_log",
+    "some_cart",
     "student_number",
     "swerve_world",
     "wheel_log",
+    "winding_path",
 ]
