@@ -45,6 +45,7 @@ from robocon_course.tracking.trial import (
     Faults,
     TrackingSettings,
     Trial,
+    start_pose,
     time_allowed,
     trial,
 )
@@ -92,6 +93,7 @@ __all__ = [
     "profile_times",
     "pure_pursuit",
     "speed_profile",
+    "start_pose",
     "time_allowed",
     "trial",
     "tune",

@@ -143,9 +143,7 @@ def trial(
     longest = 4.0 * profile_times(path, np.maximum(speeds, CREEP))[-1] + 5.0
     noise, late = _drawn(Faults(*map(float, faults)), ceil(longest / DT), rng)
     out = np.empty((len(noise), 6))
-    first = path[np.flatnonzero(np.any(path != path[0], axis=1))[:1]].ravel()
-    way = first - path[0] if first.size else np.array([1.0, 0.0])
-    out[0, :3] = *path[0], np.arctan2(way[1], way[0])
+    out[0, :3] = start_pose(path)
     sizes = model.wheel_base, model.metres_per_tick, model.lag, model.max_speed
     rows, end = follow(path, speeds**2, settings[:2], sizes, late, noise, out)
     poses, feet, away = out[:rows, :3].copy(), np.empty((rows, 2)), np.empty(rows)
@@ -153,6 +151,28 @@ def trial(
     duration = DT * end if end >= 0 else inf
     time = DT * np.arange(rows)
     return Trial(time, poses, out[:rows, 3:5], out[:rows, 5], feet, away, end >= 0, duration)
+
+
+def start_pose(path: ArrayLike) -> FloatArray:
+    """A robot at a path's beginning that faces along it.
+
+    Parameters
+    ----------
+    path : array_like, shape (n, 2)  [m, map]
+
+    Returns
+    -------
+    ndarray, shape (3,)  [m, m, rad; map]
+        Heading 0 where all points are one.
+
+    Raises
+    ------
+    ValueError
+        No path.
+    """
+    path = as_path(path)
+    dx, dy = path[np.argmax(np.any(path != path[0], axis=1))] - path[0]
+    return np.array([*path[0], np.arctan2(dy, dx)])
 
 
 def time_allowed(path: ArrayLike, model: DifferentialModel) -> float:

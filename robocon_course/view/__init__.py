@@ -1,9 +1,9 @@
 """Figures and sliders: this room draws what it is given and decides nothing.
 
-``canvas`` holds the style and what shows a figure; ``plots``, ``motion`` and ``runs`` the plots
-of the chapters, ``field_picture`` the field with robots (``body``) and paths on it. ``comparison``
-is the picture of a wrong answer, ``pictures`` the three big drawings, ``widgets`` the sliders, and
-``driving`` a robot under one's own hands.
+``canvas`` holds the style and what shows a figure; ``plots``, ``motion``, ``runs`` and ``tracking``
+the plots of the chapters, ``field_picture`` the field with robots (``body``) and paths on it.
+``comparison`` is the picture of a wrong answer, ``pictures`` the three big drawings, ``widgets``
+the sliders, and ``driving`` a robot under one's own hands.
 """
 
 from robocon_course.view.animation import animate
@@ -22,6 +22,13 @@ from robocon_course.view.plots import (
     plot_tilt_error,
 )
 from robocon_course.view.runs import plot_distribution
+from robocon_course.view.tracking import (
+    plot_path_errors,
+    plot_pursuit,
+    plot_responses,
+    plot_source_paths,
+    plot_speeds,
+)
 from robocon_course.view.widgets import explore
 
 __all__ = [
@@ -41,8 +48,13 @@ __all__ = [
     "plot_distribution",
     "plot_imu",
     "plot_modules",
+    "plot_path_errors",
     "plot_paths",
     "plot_pose_errors",
+    "plot_pursuit",
+    "plot_responses",
+    "plot_source_paths",
+    "plot_speeds",
     "plot_sphere",
     "plot_still",
     "plot_tilt_error",

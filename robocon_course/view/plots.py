@@ -28,6 +28,13 @@ from robocon_course.view.field_picture import OUR_HALF, WHOLE_FIELD, draw_field
 from robocon_course.view.lines import draw_lines, gaps_at_jumps
 from robocon_course.view.motion import plot_modules, plot_paths, plot_pose_errors, plot_tracking
 from robocon_course.view.runs import plot_distribution
+from robocon_course.view.tracking import (
+    plot_path_errors,
+    plot_pursuit,
+    plot_responses,
+    plot_source_paths,
+    plot_speeds,
+)
 
 __all__ = [
     "MINE",
@@ -45,8 +52,13 @@ __all__ = [
     "plot_distribution",
     "plot_imu",
     "plot_modules",
+    "plot_path_errors",
     "plot_paths",
     "plot_pose_errors",
+    "plot_pursuit",
+    "plot_responses",
+    "plot_source_paths",
+    "plot_speeds",
     "plot_sphere",
     "plot_still",
     "plot_tilt_error",

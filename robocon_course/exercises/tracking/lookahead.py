@@ -188,7 +188,7 @@ LOOKAHEAD_POINT = Exercise(
         ),
         Mistake(
             "far off the path",
-            "Farther off the path than the look-ahead nothing is inside the circle, and the root is "
+            "Farther off the path than the look-ahead nothing is in the circle, and the root is "
             "one of a negative number. Then the point where the search begins is the answer.",
             _ahead(off_path=False, share_of=_unguarded),
         ),

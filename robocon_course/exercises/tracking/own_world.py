@@ -120,11 +120,6 @@ OWN_PERIOD = Number(
             lambda student: 1.0 / _period(student),
         ),
         Mistake(
-            "angular frequency",
-            "That is the angular frequency 2π / period, in rad/s.",
-            lambda student: 2.0 * np.pi / _period(student),
-        ),
-        Mistake(
             "the lag",
             "That is the lag of the wheels. The swing is slower.",
             lambda student: worlds.practice_world(student).model.lag,
