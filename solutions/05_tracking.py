@@ -539,8 +539,8 @@ lookahead_point = check("tracking.lookahead_point")
 # | $v, \omega$ | speed, turn rate | m/s, rad/s |
 
 # %%
-bow = np.array([[0.0, 0.0], [0.5, 0.05], [0.9, 0.3], [1.1, 0.7], [1.15, 1.2]])
-pose = np.array([0.25, -0.12, 0.15])
+bow = np.array([[0.0, 0.0], [0.5, 0.05], [0.9, 0.2], [1.3, 0.3], [1.8, 0.3]])
+pose = np.array([0.35, -0.22, -0.1])
 aim = tracking.pure_pursuit(bow, pose, 0.7)
 foot = tracking.nearest_point(bow, pose[:2])
 show(
@@ -953,8 +953,8 @@ show(
 )
 
 # %% [markdown]
-# **Lost samples** cost little, as long as some come: the last order holds. With one of twenty left the cart
-# turns on for 0.2 s and more, and loses its way.
+# **Lost samples** cost little, as long as some come: the last order holds. With one in ten left it holds
+# for 0.1 s on average, and the cart begins to swing, as with a late pose.
 #
 # **A late pose** acts like a longer lag: the cart swings. Look farther ahead, and it calms down; the
 # corners pay for it.

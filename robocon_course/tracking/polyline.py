@@ -231,8 +231,8 @@ def lookahead_point(
 
     Examples
     --------
-    >>> lookahead_point([[0.0, 0.0], [2.0, 0.0]], [0.5, 0.0], 0.5)
-    PathPoint(index=0, share=0.5, xy=(1.0, 0.0), distance=0.5)
+    >>> lookahead_point([[0.0, 0.0], [2.0, 0.0]], [0.5, 0.0], 0.75)
+    PathPoint(index=0, share=0.625, xy=(1.25, 0.0), distance=0.75)
     """
     path, (x, y) = as_path(path), as_floats(point, "point", 2).tolist()
     check_start(path, int(index))

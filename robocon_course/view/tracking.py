@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
 from robocon_course._arrays import FloatArray, as_floats
@@ -104,7 +105,7 @@ def plot_pursuit(
     """
     path, pose = track(path, "path"), as_floats(pose, "pose", 3)
     target, foot = as_floats(target, "target", 2), as_floats(foot, "foot", 2)
-    fig, ax = figure(6.6, 4.4)
+    fig, ax = figure(7.0, 4.3)
     far = float(np.hypot(*(target - pose[:2])))
     ax.plot(*path.T, color=TRUTH, linewidth=5.0, alpha=0.3, solid_joinstyle="round")
     ax.add_patch(Circle(pose[:2], far, fill=False, color=TRUTH, linestyle=":", linewidth=1.2))
@@ -175,6 +176,7 @@ def plot_path_errors(
         plane.plot(run.poses[:, 0], run.poses[:, 1], color=colours[label], linewidth=1.6)
     plane.plot(*path[0], "o", color=TRUTH, markersize=6)
     plane.set(aspect="equal", adjustable="datalim", xlabel="x [m]", ylabel="y [m]", title="Path")
+    plane.xaxis.set_major_locator(MaxNLocator(4))
     for bound in () if limit is None else (-limit, limit):
         errors.axhline(100.0 * bound, color=TRUTH, linestyle=":", linewidth=1.2)
     for label, run in runs.items():
