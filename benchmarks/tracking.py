@@ -18,17 +18,25 @@ from wpimath.controller import PIDController
 
 from robocon_course.geometry import distance_along
 from robocon_course.tracking import (
+    ACCEL,
+    ARRIVED,
+    CREEP,
+    REACH,
+    Cart,
     IncrementalPid,
-    PathFollower,
     Pid,
     PidGains,
-    follow_path,
+    TrackingSettings,
+    nearest_point,
     path_curvature,
     pure_pursuit,
     speed_profile,
+    start_pose,
+    trial,
 )
 from robocon_course.tracking.polyline import look, nearest
 from robocon_course.tracking.pursuit import pursue
+from robocon_course.worlds import SOURCE_PATHS, finely
 
 REPEATS = 15
 LOOKAHEAD = 0.5
@@ -36,6 +44,7 @@ _S = np.linspace(0.0, 50.0, 1000)
 PATH = np.column_stack([_S, np.sin(_S / 3.0)])
 POSES = [(x, sin(x / 3.0) + 0.05, 0.1) for x in np.linspace(0.0, 45.0, 450).tolist()]
 GAINS, DT = PidGains(1.0, 0.1, 0.05), 0.01
+ZIGZAG = finely(SOURCE_PATHS["zigzag"])
 MEASURED = np.sin(0.01 * np.arange(1000)).tolist()
 
 
@@ -66,6 +75,23 @@ def plain_profile(max_speed: float, max_accel: float, max_lateral: float) -> lis
     return [value**0.5 for value in square]
 
 
+def by_doors(path: np.ndarray) -> int:
+    """The loop of `trial`, written with the public functions: how many steps it took."""
+    settings, cart, index = TrackingSettings(), Cart(pose=start_pose(path)), 0
+    squares = speed_profile(path, settings.speed, ACCEL, settings.lateral) ** 2
+    for step in range(5000):
+        here = nearest_point(path, cart.pose[:2], index, REACH)
+        square = np.interp(here.index + here.share, np.arange(len(path)), squares)
+        speed = max(square**0.5, CREEP)
+        far = settings.k * speed + settings.least
+        found = pure_pursuit(path, cart.pose, far, here.index, tolerance=ARRIVED)
+        if found.done:
+            return step
+        index = found.index
+        cart.drive(speed, speed * found.curvature)
+    raise AssertionError("the end was never reached")
+
+
 def assert_equal_results() -> None:
     """The same targets, speeds and outputs from all, where they mean the same."""
     xs, ys = PATH.T.tolist()
@@ -78,6 +104,7 @@ def assert_equal_results() -> None:
         assert pursue(PATH, (x, y, theta), LOOKAHEAD, index).target == tuple(xy)
         whole = np.hypot(*(PATH - (x, y)).T).argmin()
         assert nearest(PATH, x, y, 0, inf)[0] in (whole - 1, whole)
+    assert abs(trial(ZIGZAG).duration - DT * by_doors(ZIGZAG)) < 1e-9
     np.testing.assert_allclose(speed_profile(PATH, 1.0, 1.0, 0.1), plain_profile(1.0, 1.0, 0.1))
     ours, theirs, third = Pid(GAINS), PIDController(*GAINS[:3], DT), simple()
     theirs.setIntegratorRange(-1e9, 1e9)
@@ -113,14 +140,14 @@ def each(call: Callable[[float], object]) -> Callable[[], int]:
 def contenders() -> dict[str, Callable[[], int]]:
     """Pursuit over 450 poses of a path of 1000 points, PID over 1000 samples, one profile."""
     xs, ys = PATH.T.tolist()
-    speeds = np.ones(len(PATH))
-    follower, one, steps = PathFollower(PATH, speeds), Pid(GAINS), IncrementalPid(GAINS)
+    one, steps = Pid(GAINS), IncrementalPid(GAINS)
     theirs, third = PIDController(*GAINS[:3], DT), simple()
-    start = follower.state
 
-    def follow() -> int:
-        follower.state = start
-        return len([follower.update(pose) for pose in POSES])
+    def drive() -> int:
+        return len(trial(ZIGZAG).time)
+
+    def drive_by_doors() -> int:
+        return by_doors(ZIGZAG)
 
     def once(call: Callable[..., object]) -> Callable[[], int]:
         return lambda: len([call(1.0, 1.0, 0.1)])
@@ -133,8 +160,8 @@ def contenders() -> dict[str, Callable[[], int]]:
         "look (kernel)": walk(lambda p, k: look(PATH, p[0], p[1], k, LOOKAHEAD)[0][0]),
         "pursue (no checks)": walk(lambda p, k: pursue(PATH, p, LOOKAHEAD, k).index),
         "pure_pursuit (checked)": walk(lambda p, k: pure_pursuit(PATH, p, LOOKAHEAD, k).index),
-        "follow_path (checked)": walk(lambda p, k: follow_path(PATH, speeds, p, 0.2, k).index),
-        "PathFollower.update": follow,
+        "a step of the cart's loop, by doors": drive_by_doors,
+        "a step of trial": drive,
         "nearest waypoint, whole path, numpy": walk(lambda p, _: shortest(*p[:2])),
         "nearest point, whole path (kernel)": walk(lambda p, _: nearest(PATH, *p[:2], 0, inf)[0]),
         "speed profile, plain Python": once(plain_profile),
@@ -159,6 +186,7 @@ def main() -> None:
         ("pursue (no checks)", "waypoint search, plain Python", 1.0),
         ("nearest point, whole path (kernel)", "nearest waypoint, whole path, numpy", 0.5),
         ("speed_profile", "speed profile, plain Python", 1.0),
+        ("a step of trial", "a step of the cart's loop, by doors", 0.05),
         ("Pid.update", "wpimath PIDController.calculate", 1.6),
         ("Pid.update", "simple_pid PID, dt given", 0.5),
     ):

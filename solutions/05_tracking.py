@@ -615,7 +615,7 @@ def follow(path, settings, model=None):
 
 
 # %% [markdown]
-# `tracking.trial` is the same loop, compiled: a thousand times as fast, for sliders and searches.
+# `tracking.trial` is the same loop, compiled: fast enough for sliders, and for searches with hundreds of drives.
 
 # %%
 SOURCE = {name: worlds.finely(path) for name, path in worlds.SOURCE_PATHS.items()}
@@ -1241,7 +1241,7 @@ for kind in ("ideal", "noisy", "degraded"):
 # limit, `tracking.time_allowed(path, model)`: on average at least half as fast as the wheels can.
 #
 # Ideas: which cart has to look farther ahead? How slow may it be in bends, when time is limited?
-# `tracking.trial(path, model, settings)` takes about a millisecond, and says `worst` and `duration`.
+# `tracking.trial(path, model, settings)` takes some milliseconds, and says `worst` and `duration`.
 
 
 # %% exercise="tracking.tune"

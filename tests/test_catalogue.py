@@ -100,6 +100,8 @@ def flat(cases) -> list[bytes]:
         elif isinstance(value, tuple | list):
             for item in value:
                 add(item)
+        elif isinstance(value, str):
+            rows.append(value.encode())
         else:
             rows.append(np.asarray(value, float).tobytes())
 

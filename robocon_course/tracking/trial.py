@@ -2,7 +2,7 @@
 
     own odometry → nearest point → speed of the profile → look-ahead → circle → both wheels
 
-A trial of twenty seconds takes about a millisecond, so a slider may run one at every move and a
+A trial of twenty seconds takes some milliseconds, so a slider may run one at every move and a
 search hundreds. `Cart`, `nearest_point`, `lookahead_distance` and `pure_pursuit` in a loop of plain
 Python do the same.
 """

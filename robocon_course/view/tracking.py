@@ -29,7 +29,7 @@ from robocon_course.view.canvas import (
 from robocon_course.view.field_picture import draw_tracks, track
 from robocon_course.view.lines import draw_lines
 
-BODY = np.array([[0.11, 0.0], [-0.09, 0.08], [-0.09, -0.08]])
+BODY = np.array([[0.08, 0.0], [-0.06, 0.055], [-0.06, -0.055]])
 """A small robot seen from above: an arrow head [m]."""
 
 
@@ -121,7 +121,7 @@ def plot_pursuit(
         ax.plot(*place, "o", color=colour, markersize=8, zorder=6)
         side = "right" if off[0] < 0 else "left"
         ax.annotate(name, place, off, color=colour, ha=side, **words)
-    ax.annotate(f"L = {far:.2f} m", 0.4 * pose[:2] + 0.6 * target, (-70, 8), color=MINE, **words)
+    ax.annotate(f"L = {far:.2f} m", (pose[:2] + target) / 2, (14, -6), color=MINE, **words)
     shown = np.vstack([path, pose[:2] - 0.3, pose[:2] + 0.3])
     (x0, y0), (x1, y1) = shown.min(axis=0) - 0.1, shown.max(axis=0) + 0.1
     ax.set(aspect="equal", xlim=(x0, x1), ylim=(y0, y1), xlabel="x [m]", ylabel="y [m]")

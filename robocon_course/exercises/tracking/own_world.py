@@ -170,7 +170,7 @@ TUNE = Exercise(
         "0.03 m. speed can be 0.9 of model.max_speed.",
         "How slow may it be in bends? tracking.profile_times says how long a speed_profile takes; "
         "lower lateral until it takes 0.9 of tracking.time_allowed(path, model).",
-        "A tracking.trial takes about a millisecond. Try some dozens of settings with "
+        "A tracking.trial takes some milliseconds. Try some dozens of settings with "
         "itertools.product, and keep the best that is done in time.",
     ),
     mistakes=(
@@ -186,7 +186,7 @@ TUNE = Exercise(
             _guess(0.1, 0.05, 0.25, 0.1),
         ),
         Mistake(
-            "never in time for a corner",
+            "creeping in bends",
             "So small a lateral acceleration makes the cart creep in every bend.",
             _guess(0.1, 0.05, 0.9, 0.01),
         ),
