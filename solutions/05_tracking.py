@@ -40,8 +40,9 @@ show(
 # %% [markdown]
 # ## 2. See it work
 #
-# A figure eight on the field, at up to 2 m/s. The robot looks along the path, a little ahead, and
-# does not turn: a swerve drive may go sideways. First the path, and the speed at each of its points.
+# A figure eight on the field, at up to 2 m/s. The robot drives towards a point of the path a little
+# ahead, and does not turn meanwhile: a swerve drive may go sideways. First the path, and the speed
+# at each of its points.
 
 # %%
 turn = np.linspace(0.0, 2 * np.pi, 400)
@@ -118,7 +119,7 @@ show(
 # |---|---|---|
 # | $e$ | setpoint minus measurement | here rad |
 # | $u$ `output` | here: by how much the right wheel is faster than the left | m/s |
-# | $k_p, k_i, k_d$ `gains` | strength of the three terms | m/s per rad, per rad s, s per rad |
+# | $k_p, k_i, k_d$ `gains` | strength of the three terms | m/s per rad; per rad s; per rad/s |
 # | `limits` | least and greatest output | m/s |
 # | $\Delta t$ `dt` | time since the sample before | s |
 #
@@ -271,7 +272,7 @@ pid_step = check("tracking.pid_step")
 #
 # Your own step steers the cart with the soft tyre.
 #
-# **Task.** Begin with all at 0. Raise $k_p$ until the cart is quick and swings a little. Raise $k_d$
+# **Task.** Leave $k_i$ and $k_d$ at 0. Raise $k_p$ until the cart is quick and swings a little. Raise $k_d$
 # until it does not. Then $k_i$, until it ends on the line. Can you stay below 60° and be within 1°
 # after one second?
 
@@ -343,9 +344,10 @@ for name, value in printed.items():
     print(f"{name} {value:12.4f} {getattr(in_ms, name):9.4f} {getattr(in_s, name):9.4f}")
 
 # %% [markdown]
-# **Your own cart** has its own lag and wheel base. `world.swing(gain)` is the experiment: the cart
-# drives ahead, 0.002 rad off its heading, and a P controller steers. You get the heading error, every
-# 10 ms. So small, because at their limit the wheels would tame the swing.
+# **Your own cart** has its own lag and wheel base. `world.swing(gain)` is the experiment. The cart
+# drives ahead, 0.002 rad off its heading. A P controller steers: the right wheel is told to be faster by
+# gain · error. You get the error, every 10 ms. It begins so small because wheels at their limit would
+# tame the swing.
 
 # %%
 tried = {"gain 12": 12.0, "gain 21": 21.0, "gain 28": 28.0}
@@ -760,8 +762,8 @@ show(
 # %% [markdown]
 # ## 9. Three paths from Surabaya
 #
-# The cart of section 4 has a paper. It drives three paths, at 0.25 and at 0.38 m/s, towards one
-# waypoint after the other: a PID controller turns it to the bearing of the next one. Published: within
+# The paper with the cart of section 4 lets it drive three paths, at 0.25 and at 0.38 m/s, towards one
+# waypoint after the other. A PID controller turns it to the bearing of the next one. Published: within
 # 10 cm in x; in y within 14 cm and 7 cm at the slow speed, 10 and 7 cm at the fast one; the end
 # within 3 cm.
 #
@@ -873,7 +875,7 @@ show(
 # $$u \leftarrow u + k_p\,\Delta e + k_i\, e\,\Delta t - k_d\,\Delta \dot y$$
 #
 # It cannot wind up: what a limit cuts off is never remembered. And it takes over from any output
-# without a jump. In between both forms are the same. The figure: a wheel with a lag of 0.1 s. Until
+# without a jump. Between the limits both forms are the same. The figure: a wheel with a lag of 0.1 s. Until
 # t = 0.5 s somebody drives by hand; then each form takes over and brings the speed to 0.8 m/s.
 
 
@@ -971,7 +973,8 @@ show(
 
 # %% [markdown]
 # **A hairpin.** A search of the whole path finds the leg that is nearer, not the one the robot is on.
-# A little noise is enough, and a piece of the path is left out. Here the legs are 12 cm apart.
+# A wrong pose for a moment is enough, and a piece of the path is left out. Here the legs are 12 cm
+# apart.
 
 
 # %%
@@ -1324,7 +1327,7 @@ show(
 # and both forms. The book is free on its authors' site.
 #
 # R. C. Coulter, *Implementation of the Pure Pursuit Path Tracking Algorithm*, Carnegie Mellon University,
-# 1992: eleven pages, worth all of them.
+# 1992: the circle, and what the look-ahead does, in few pages.
 #
 # Sources of the printed formulas: B. S. Marta, F. Ardilla, A. R. A. Besari, on path tracking with odometry
 # feedback, Politeknik Elektronika Negeri Surabaya; and the thesis on a swerve-drive robot of Universitas
