@@ -232,8 +232,8 @@ def pid_step(
     measured: float,
     dt: float,
     gains: PidGains,
-    *,
     limits: PidLimits = PidLimits(),  # noqa: B008 - a NamedTuple cannot change
+    *,
     wrap: bool = False,
 ) -> PidState:
     """One step of `Pid` as a pure function; the new output stands in the new state.

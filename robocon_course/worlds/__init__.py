@@ -7,6 +7,7 @@
 ``swerve``   chapter 03: its modules, a log of them, and a wet floor
 ``wheels``   chapter 02: its dead wheels and the logs they recorded
 ``drive``    drives of that robot in the simulator
+``to_area_3``  the drive that it plans and follows by itself
 ===========  ====================================================
 """
 
@@ -33,6 +34,7 @@ from robocon_course.worlds.imu import (
 from robocon_course.worlds.robot import own_robot, own_wheels
 from robocon_course.worlds.student import Student, generator, student_number
 from robocon_course.worlds.swerve import SlipLog, SwerveWorld, slip_log, swerve_world
+from robocon_course.worlds.to_area_3 import FieldDrive, calibrated_wheels, field_drive
 from robocon_course.worlds.wheels import (
     BITS,
     RUN,
@@ -58,6 +60,7 @@ __all__ = [
     "SPIN",
     "SQUARE",
     "DriveLog",
+    "FieldDrive",
     "ImuWorld",
     "OdometryWorld",
     "RoughDrive",
@@ -67,8 +70,10 @@ __all__ = [
     "SwerveWorld",
     "WheelLog",
     "bumps",
+    "calibrated_wheels",
     "drive_log",
     "failures",
+    "field_drive",
     "generator",
     "gyro_of",
     "imu_rungs",
