@@ -19,7 +19,7 @@ from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.autopilot.parts import Parts
 from robocon_course.geometry import distance_along
 from robocon_course.gridmap import GridMap
-from robocon_course.planning import NoPathError, Plan
+from robocon_course.planning import NoPathError, Plan, line_of_sight
 from robocon_course.robot import SIDE
 
 MARGINS = (0.12, 0.06, 0.0)
@@ -54,7 +54,7 @@ class Route(NamedTuple):
     Attributes
     ----------
     xy : ndarray, shape (n, 2)  [m, map]
-        From the very start to the very goal.
+        From start to goal.
     along : ndarray, shape (n,)  [m]
         Way from the start to each point.
     speeds : ndarray, shape (n,)  [m/s]
@@ -102,6 +102,7 @@ def plan_route(
         Points that are not finite.
     """
     ends = np.stack([as_floats(start, "start", 2), as_floats(goal, "goal", 2)])
+    _check_room(parts, grid, ends)
     for margin in MARGINS:
         room = room_for_body(parts, grid, ends, margin)
         try:
@@ -110,11 +111,40 @@ def plan_route(
         except NoPathError:
             if margin == MARGINS[-1]:
                 raise
-    ways = np.vstack([ends[:1], np.asarray(plan.xy, float)[1:-1], ends[1:]])
-    tight = parts.shorten_path(room, ways)
-    xy = np.asarray(parts.smooth_path(room, tight, limits.curvature), float)
+    xy = np.array(plan.xy, float)
+    if len(xy) > 1:
+        tight = parts.shorten_path(room, _with_ends(room, xy, ends))
+        xy = np.asarray(parts.smooth_path(room, tight, limits.curvature), float)
+    else:  # the goal lies in the start's own cell
+        xy = np.linspace(*ends, 3)
     speeds = parts.speed_profile(xy, limits.speed, limits.accel, limits.lateral)
     return Route(xy, distance_along(xy), np.asarray(speeds, float), plan, margin)
+
+
+def _with_ends(room: GridMap, xy: FloatArray, ends: FloatArray) -> FloatArray:
+    """A way with the very start and goal in place of the middles of their cells, where it can be.
+
+    A start on the edge of its cell, with an obstacle's room beside it, stays in the middle: the
+    robot stands so much beside its path at first.
+    """
+    for place, beside, end in ((0, 1, ends[0]), (-1, -2, ends[1])):
+        if line_of_sight(room, end, xy[beside]):
+            xy[place] = end
+    return xy
+
+
+def _check_room(parts: Parts, grid: GridMap, ends: FloatArray) -> None:
+    """Refuse an end that is free, but not for the whole body."""
+    fits = room_for_body(parts, grid, ends, 0.0).is_free(ends)
+    for name, (x, y), free, fit in zip(
+        ("start", "goal"), ends, grid.is_free(ends), fits, strict=True
+    ):
+        if free and not fit:
+            raise NoPathError(
+                f"{name}: at ({x:g}, {y:g}) m the body of {SIDE:g} m stands in an obstacle or in the "
+                f"fence; its middle needs {0.5 * SIDE:g} m on each side",
+                "blocked",
+            )
 
 
 def room_for_body(parts: Parts, grid: GridMap, ends: FloatArray, margin: float) -> GridMap:

@@ -30,8 +30,10 @@ HEADING = 0.0
 """Kept all the way [rad, map]: the left LiDAR looks at the far fence."""
 TAPE, TURNS = 0.001, radians(0.2)
 """What the run and the spin of the calibration are measured to [m, rad]."""
-LATE = 1.5
-"""A robot that needs so many times the time of its profile is stopped."""
+LATE, PATIENCE = 1.5, 2.0
+"""A robot that needs so many times the time of its profile, and so many seconds, is stopped."""
+STANDS = 0.01
+"""Slower than this the robot stands [m/s]."""
 SLOWED = {"friction": 0.3, "steering_lag": 0.1, "drive_lag": 0.1}
 """A dusty floor and tired motors."""
 WORN = 4
@@ -66,7 +68,8 @@ class FieldDrive:
     contacts : int
         How often the body began to touch something.
     lidar_y : float  [m, map]
-        What the LiDAR says at the end; NaN: nothing.
+        What the LiDAR that looks at the far fence says at the end; NaN: nothing. Before Area 3 it
+        meets the water's frame, and says too much.
     """
 
     parts: str
@@ -109,6 +112,24 @@ class FieldDrive:
     def off(self) -> float:
         """Root mean square of the cross-track error [m]."""
         return float(np.sqrt(np.mean(self.cross_track**2)))
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The drive in words and numbers, for a terminal or a notebook."""
+        plan, more = self.route.plan, self.duration - self.limit
+        height = "no reading" if np.isnan(self.lidar_y) else f"y = {self.lidar_y:.2f} m"
+        in_area_3 = self.route.xy[-1, 1] > field.AREA_3_LINE
+        return (
+            f"plan: {len(plan.cells)} cells, {plan.length:.2f} m; rounded {self.route.along[-1]:.2f} "
+            f"m, {100 * self.route.margin:.0f} cm of room on each side; {self.limit:.1f} s by its "
+            "speed profile",
+            f"{'✔' if self.arrived else '✘'} {self.reason}, after {self.duration:.1f} s, "
+            f"{more:.1f} s more than its profile",
+            f"truth: {1000 * self.away:.0f} mm from the goal"
+            + (f"; LiDAR: {height}" if in_area_3 else ""),
+            f"cross-track error: {1000 * self.off:.0f} mm RMS, {1000 * self.cross_track.max():.0f} mm "
+            f"at most; touched something {self.contacts} times",
+        )
 
 
 def field_drive(
@@ -156,7 +177,7 @@ def field_drive(
     cell = resolution or (COARSE if "astar" in parts.mine else FINE)
     route = plan_route(parts, field.obstacle_map(cell), field.START, goal, limits=limits)
     limit = float(profile_times(route.xy, route.speeds)[-1])
-    robot, wheels = _robot(student, kind, REST + LATE * limit, parts)
+    robot, wheels = _robot(student, kind, _longest(limit), parts)
     pilot = Pilot(parts, route, (*field.START, HEADING), wheels, rest=REST)
     return _driven(robot, pilot, limit, on_time)
 
@@ -200,21 +221,28 @@ def _robot(student: Student, kind: str, duration: float, parts: Parts):
     return robot, calibrated_wheels(student, parts)
 
 
+def _longest(limit: float) -> float:
+    """How long a drive may take, the rest before it included [s]."""
+    return REST + LATE * limit + PATIENCE
+
+
 def _driven(robot, pilot: Pilot, limit: float, on_time: Callable[[float], object]) -> FieldDrive:
     """The whole drive, until the robot has arrived and stands, or is late."""
-    rows, steps = [], round((REST + LATE * limit) / CYCLE)
+    rows, steps = [], round(_longest(limit) / CYCLE)
     for step in range(steps):
         seen, truth = robot.read(), robot.truth
         command = pilot.tick(seen)
         rows.append((seen.time, truth.pose, pilot.reckoning.pose, seen.module_angles,
                      seen.module_speeds))  # fmt: skip
-        if pilot.arrived and hypot(*truth.twist[:2]) < 0.01:
+        if seen.time >= REST and pilot.arrived and hypot(*truth.twist[:2]) < STANDS:
             break
         robot.apply(command)
         robot.step(CYCLE)
         if step % 25 == 0:
             on_time(step / steps)
-    time, poses, estimates, angles, speeds = (np.array(column) for column in zip(*rows, strict=True))
+    time, poses, estimates, angles, speeds = (
+        np.array(column) for column in zip(*rows, strict=True)
+    )
     gone = time >= REST
     truth = robot.truth
     return FieldDrive(
