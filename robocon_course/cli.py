@@ -293,8 +293,14 @@ def drive(
         if gif is not None:
             from robocon_course.view import animate
 
-            gif.write_bytes(animate(run.time, {run.parts: run.poses}, angles=run.module_angles,
-                                    speeds=run.module_speeds, markers={"goal": goal}).gif)  # fmt: skip
+            film = animate(
+                run.time,
+                {run.parts: run.poses},
+                angles=run.module_angles,
+                speeds=run.module_speeds,
+                markers={"goal": goal},
+            )
+            gif.write_bytes(film.gif)
     for line in run.lines:
         console.print(escape(line), soft_wrap=True)
     if not run.arrived or run.contacts:

@@ -115,7 +115,7 @@ def plan_route(
     if len(xy) > 1:
         tight = parts.shorten_path(room, _with_ends(room, xy, ends))
         xy = np.asarray(parts.smooth_path(room, tight, limits.curvature), float)
-    else:  # the goal lies in the start's own cell
+    if len(xy) < 3:  # the goal lies in the start's own cell or beside it: a profile needs a middle
         xy = np.linspace(*ends, 3)
     speeds = parts.speed_profile(xy, limits.speed, limits.accel, limits.lateral)
     return Route(xy, distance_along(xy), np.asarray(speeds, float), plan, margin)
@@ -141,8 +141,8 @@ def _check_room(parts: Parts, grid: GridMap, ends: FloatArray) -> None:
     ):
         if free and not fit:
             raise NoPathError(
-                f"{name}: at ({x:g}, {y:g}) m the body of {SIDE:g} m stands in an obstacle or in the "
-                f"fence; its middle needs {0.5 * SIDE:g} m on each side",
+                f"{name}: at ({x:g}, {y:g}) m the body of {SIDE:g} m stands in an obstacle or in "
+                f"the fence; its middle needs {0.5 * SIDE:g} m on each side",
                 "blocked",
             )
 

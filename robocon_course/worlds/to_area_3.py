@@ -120,15 +120,16 @@ class FieldDrive:
         height = "no reading" if np.isnan(self.lidar_y) else f"y = {self.lidar_y:.2f} m"
         in_area_3 = self.route.xy[-1, 1] > field.AREA_3_LINE
         return (
-            f"plan: {len(plan.cells)} cells, {plan.length:.2f} m; rounded {self.route.along[-1]:.2f} "
-            f"m, {100 * self.route.margin:.0f} cm of room on each side; {self.limit:.1f} s by its "
-            "speed profile",
+            f"plan: {len(plan.cells)} cells, {plan.length:.2f} m; rounded "
+            f"{self.route.along[-1]:.2f} m, {100 * self.route.margin:.0f} cm of room on each side; "
+            f"{self.limit:.1f} s by its speed profile",
             f"{'✔' if self.arrived else '✘'} {self.reason}, after {self.duration:.1f} s, "
             f"{more:.1f} s more than its profile",
             f"truth: {1000 * self.away:.0f} mm from the goal"
             + (f"; LiDAR: {height}" if in_area_3 else ""),
-            f"cross-track error: {1000 * self.off:.0f} mm RMS, {1000 * self.cross_track.max():.0f} mm "
-            f"at most; touched something {self.contacts} times",
+            f"cross-track error: {1000 * self.off:.0f} mm RMS, "
+            f"{1000 * self.cross_track.max():.0f} mm at most; touched something "
+            f"{self.contacts} times",
         )
 
 
