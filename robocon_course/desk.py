@@ -74,7 +74,7 @@ def own_parts(which: str = "mixed") -> tuple[Parts, Student]:
     except CourseError:
         if which == "mine":
             raise
-        return Parts(), 0
+        return robot_parts("reference" if which == "mixed" else which), 0
     return robot_parts(which, workspace=workspace), workspace.student
 
 
