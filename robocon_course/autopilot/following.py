@@ -27,7 +27,13 @@ from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.autopilot.parts import Parts
 from robocon_course.autopilot.route import Route
 from robocon_course.geometry import TURN
-from robocon_course.tracking import PidGains, PidLimits, PidState, lookahead_distance
+from robocon_course.tracking import (
+    PathPoint,
+    PidGains,
+    PidLimits,
+    PidState,
+    lookahead_distance,
+)
 
 
 class FollowSettings(NamedTuple):
@@ -208,7 +214,7 @@ def _steered(course: float, turn: float, target: tuple[float, float], x: float, 
     return course + turn
 
 
-def _cross_track(path: FloatArray, foot: object, x: float, y: float) -> float:
+def _cross_track(path: FloatArray, foot: PathPoint, x: float, y: float) -> float:
     """Distance from the path, positive to its left [m]."""
     dx, dy = path[foot.index + 1] - path[foot.index]
     length = hypot(dx, dy)

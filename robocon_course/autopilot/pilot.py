@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from math import hypot
 
+from numpy.typing import ArrayLike
+
 from robocon_course import field
 from robocon_course.autopilot.following import Following, FollowSettings, follow_step
 from robocon_course.autopilot.modules import module_command
@@ -42,13 +44,18 @@ class Pilot:
         How far it is on its path.
     seen : Observation or None
         The last observation.
+
+    Raises
+    ------
+    ValueError
+        A start that is no pose.
     """
 
     def __init__(
         self,
         parts: Parts,
         route: Route,
-        start,
+        start: ArrayLike,
         wheels: TrackingWheels,
         *,
         rest: float = 3.0,
@@ -57,7 +64,8 @@ class Pilot:
         self.parts, self.route, self.wheels = parts, route, wheels
         self.reckoning, self.following = Reckoning.at(start), Following.begin(route)
         self.seen: Observation | None = None
-        self._heading, self._rest, self._settings = float(start[2]), rest, settings
+        self._heading = float(self.reckoning.pose[2])
+        self._rest, self._settings = rest, settings
         self._begin: float | None = None
 
     def tick(self, observation: Observation) -> Command:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import hypot, radians
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,6 +26,9 @@ from robocon_course.worlds.imu import own_imu
 from robocon_course.worlds.robot import own_robot
 from robocon_course.worlds.student import Student, generator
 from robocon_course.worlds.wheels import BITS, RUN, SPIN, odometry_world
+
+if TYPE_CHECKING:
+    from robocon_course.simulator import Simulator
 
 HEADING = 0.0
 """Kept all the way [rad, map]: the left LiDAR looks at the far fence."""
@@ -204,7 +208,9 @@ def calibrated_wheels(student: Student, parts: Parts = REFERENCE) -> TrackingWhe
     return parts.calibrate_wheels(DEAD_WHEELS, run, way, spin, float(angle))
 
 
-def _robot(student: Student, kind: str, duration: float, parts: Parts):
+def _robot(
+    student: Student, kind: str, duration: float, parts: Parts
+) -> tuple[Simulator, TrackingWheels]:
     """The simulated robot, and what it believes of its dead wheels."""
     from robocon_course.simulator import IDEAL, SensorModel, Simulator
 
@@ -227,7 +233,9 @@ def _longest(limit: float) -> float:
     return REST + LATE * limit + PATIENCE
 
 
-def _driven(robot, pilot: Pilot, limit: float, on_time: Callable[[float], object]) -> FieldDrive:
+def _driven(
+    robot: Simulator, pilot: Pilot, limit: float, on_time: Callable[[float], object]
+) -> FieldDrive:
     """The whole drive, until the robot has arrived and stands, or is late."""
     rows, steps = [], round(_longest(limit) / CYCLE)
     for step in range(steps):
