@@ -5,7 +5,8 @@ Run from the top of the checkout: python docs/make_pictures.py
 
 from pathlib import Path
 
-from robocon_course.view import pictures, png
+from robocon_course import field, worlds
+from robocon_course.view import animate, pictures, png
 
 FOLDER = Path(__file__).parent / "pictures"
 
@@ -15,3 +16,13 @@ for name, figure in {
     "system": pictures.draw_system(done=("01",)),
 }.items():
     (FOLDER / f"{name}.png").write_bytes(png(figure))
+
+drive = worlds.field_drive(0)
+film = animate(
+    drive.time,
+    {"reference": drive.poses},
+    angles=drive.module_angles,
+    speeds=drive.module_speeds,
+    markers={"goal": field.AREA_3_GOAL},
+)
+(FOLDER / "drive.gif").write_bytes(film.gif)

@@ -15,7 +15,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from robocon_course import files
+from robocon_course import field, files
 from robocon_course._arrays import CourseError
 
 WRONG, UNUSABLE = 1, 2
@@ -69,6 +69,15 @@ def _progress(title: str, total: int) -> Iterator[Callable[[str], None]]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=total)
         yield lambda done: bar.update(task, advance=1, description=escape(f"{title}: {done}"))
+
+
+@contextmanager
+def _shares(title: str) -> Iterator[Callable[[float], None]]:
+    """A progress bar for what has no parts to count; the function it hands out takes a share."""
+    columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+        yield lambda share: bar.update(task, completed=share)
 
 
 @app.command()
@@ -246,6 +255,56 @@ def status() -> None:
     with _refusals():
         for line in status_lines(Workspace(desk.find())):
             console.print(escape(line), soft_wrap=True)
+
+
+@app.command()
+def drive(
+    goal: Annotated[
+        tuple[float, float], typer.Option(help="x and y on the field [m].")
+    ] = field.AREA_3_GOAL,
+    parts: Annotated[
+        str, typer.Option(help="mixed: your accepted parts and the course's; mine; reference.")
+    ] = "mixed",
+    kind: Annotated[
+        str, typer.Option(help="ideal, noisy or degraded: how kind the world is.")
+    ] = "noisy",
+    student: Annotated[
+        str | None, typer.Option(help="Whose robot; default your own student number.")
+    ] = None,
+    gif: Annotated[Path | None, typer.Option(help="File for an animation of the drive.")] = None,
+) -> None:
+    """Let the simulated robot plan its way from the start to a goal, and drive it by itself.
+
+    It has nothing but its own sensors. Exit code 0 if it arrives without touching anything, 1 if
+    not, 2 if no way leads there.
+    """
+    with _refusals():
+        from robocon_course import desk, worlds
+        from robocon_course.simulator import warm_up
+
+        if gif is not None and not gif.absolute().parent.is_dir():
+            raise CourseError(f"there is no folder {gif.absolute().parent} to write the film to")
+        own, number = desk.own_parts(parts)
+        whose = number if student is None else worlds.student_number(student)
+        console.print(f"Robot of student {whose}, parts: {escape(own.label)}")
+        warm_up(console.print)
+        with _shares("driving") as share:
+            run = worlds.field_drive(whose, own, goal, kind=kind, on_time=share)
+        if gif is not None:
+            from robocon_course.view import animate
+
+            film = animate(
+                run.time,
+                {run.parts: run.poses},
+                angles=run.module_angles,
+                speeds=run.module_speeds,
+                markers={"goal": goal},
+            )
+            gif.write_bytes(film.gif)
+    for line in run.lines:
+        console.print(escape(line), soft_wrap=True)
+    if not run.arrived or run.contacts:
+        raise typer.Exit(WRONG)
 
 
 @app.command()

@@ -9,8 +9,11 @@ from pathlib import Path
 
 from robocon_course import files
 from robocon_course._arrays import CourseError
+from robocon_course.autopilot import Parts
 from robocon_course.exercises import registry
+from robocon_course.exercises.parts import robot_parts
 from robocon_course.exercises.workspace import Workspace
+from robocon_course.worlds import Student
 
 
 def prepare(folder: Path | None = None) -> Path:
@@ -47,6 +50,32 @@ def find() -> Path:
         if list(folder.glob("[0-9][0-9]_*.ipynb")):
             return folder
     raise CourseError(f"{here} holds no lessons; go to the folder with your notebooks")
+
+
+def own_parts(which: str = "mixed") -> tuple[Parts, Student]:
+    """The parts and the student number of the desk that the current folder belongs to.
+
+    Parameters
+    ----------
+    which : {"mixed", "mine", "reference"}
+        As for `robot_parts`. Where there is no desk, ``"mixed"`` is the course's.
+
+    Returns
+    -------
+    (Parts, int or str)
+
+    Raises
+    ------
+    CourseError
+        ``"mine"`` was asked for and there is no desk, or parts are missing.
+    """
+    try:
+        workspace = Workspace(find())
+    except CourseError:
+        if which == "mine":
+            raise
+        return robot_parts("reference" if which == "mixed" else which), 0
+    return robot_parts(which, workspace=workspace), workspace.student
 
 
 def reset_lesson(number: str) -> str:

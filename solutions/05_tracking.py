@@ -1220,8 +1220,9 @@ show(
 )
 
 # %% [markdown]
-# Three rungs: *ideal* sensors, *noisy* ones, and a *degraded* log, where samples are missing. Each once
-# on the course's parts and once on yours. The same drive from a terminal, with your parts:
+# Three rungs. *Ideal*: a robot as drawn, with perfect sensors. *Noisy*: your own robot, its sensors, and
+# a floor with seams. *Degraded*: the same on a dusty, worn floor, with tired motors. Each once on the
+# course's parts and once on yours. The same drive from a terminal, with your parts:
 # `robocon drive --goal 4.3 10.0`.
 
 # %%

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -58,7 +59,8 @@ def started(monkeypatch) -> list[list[str]]:
 
 
 def test_the_commands_are_those_that_the_course_promises():
-    promised = {"lab", "doctor", "build", "check", "grade", "reset", "status", "attitude"}
+    promised = {"lab", "doctor", "build", "check", "grade", "reset", "status"}
+    promised |= {"attitude", "drive"}
     assert promised <= set(COMMANDS)
 
 
@@ -425,3 +427,53 @@ def test_attitude_refuses_a_file_without_the_columns(elsewhere):
     (elsewhere / "other.csv").write_text("a,b\n1,2\n3,4\n")
     code, said = robocon("attitude", "other.csv")
     assert code == 2 and "Traceback" not in said and len(said) > 20
+
+
+# --- drive ------------------------------------------------------------------------------------
+
+
+def test_drive_reaches_area_3_and_says_how_well(elsewhere):
+    code, said = robocon("drive", "--goal", 4.3, 10.0, "--student", 3, "--gif", "drive.gif")
+    assert code == 0, said
+    assert "Robot of student 3, parts: reference" in said
+    assert "✔ arrived, after" in said and "touched something 0 times" in said
+    assert (elsewhere / "drive.gif").read_bytes().startswith(b"GIF8")
+
+
+def test_drive_takes_the_parts_and_the_number_of_the_students_own_desk(room):
+    room.remember(student=7)
+    room.accept("geometry.wrap_angle", "def wrap_angle(angle):\n    return angle\n")
+    half_speed = (
+        "import numpy as np\ndef speed_profile(path, max_speed, max_accel, max_lateral_accel):\n"
+        "    return np.r_[0.0, np.full(len(path) - 2, 0.4), 0.0]\n"
+    )
+    room.accept("tracking.speed_profile", half_speed)
+    code, said = robocon("drive", "--goal", 0.6, 1.2)
+    assert code == 0 and "Robot of student 7, parts: mixed, 3 of" in said
+    assert float(re.search(r"([\d.]+) s by its speed profile", said)[1]) > 2.0
+    code, said = robocon("drive", "--goal", 0.6, 1.2, "--parts", "reference")
+    assert code == 0 and "Robot of student 7, parts: reference" in said
+
+
+def test_drive_ends_with_1_where_the_robot_does_not_arrive(room):
+    lame = "import numpy as np\ndef field_to_robot(twist, theta):\n    return np.zeros(3)\n"
+    room.accept("swerve.field_to_robot", lame)
+    code, said = robocon("drive", "--goal", 0.6, 0.9)
+    assert code == 1 and "✘ stopped for being late" in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("--goal", 3.0, 7.5), "goal: (3, 7.5) m lies in an obstacle"),
+        (("--goal", "nan", 1.0), "goal: entry (0,) is not a finite number"),
+        (("--kind", "perfect"), "kind: expected one of ideal, noisy, degraded, got 'perfect'"),
+        (("--parts", "yours"), "which: expected 'mixed', 'mine' or 'reference', got 'yours'"),
+        (("--parts", "mine"), "holds no lessons"),
+        (("--gif", "nowhere/drive.gif"), "there is no folder"),
+        (("--student", "-1"), "student: expected a number"),
+    ],
+)
+def test_drive_refuses_what_it_cannot_do_with_a_sentence(arguments, sentence):
+    code, said = robocon("drive", *arguments)
+    assert code == 2 and sentence in said

@@ -11,25 +11,13 @@ import numpy as np
 import pytest
 
 from robocon_course.autopilot import HEADINGS, Parts, dead_reckoning
-from robocon_course.odometry import TrackingWheels, calibrate_wheels, tick_changes
 from robocon_course.robot import DEAD_WHEELS
-from robocon_course.worlds import drive, wheels
+from robocon_course.worlds import calibrated_wheels, drive
 from robocon_course.worlds.imu import own_imu
 from robocon_course.worlds.robot import own_wheels
 
 MINUTE, MATCH = 60.0, 180.0  # s
 SAMPLE, ALL = range(1, 4), range(1, 51)
-
-
-def calibrated(seed: int) -> TrackingWheels:
-    """Sizes from a run and a spin, the run measured to 1 mm and the spin to 0.2 degrees."""
-    world, rng = wheels.odometry_world(seed), np.random.default_rng([seed, 2])
-    run_ticks, spin_ticks = (
-        tick_changes(log.counters, wheels.BITS).sum(axis=0) for log in (world.run, world.spin)
-    )
-    run = wheels.RUN + rng.normal(0.0, 0.001, 2)
-    angle = wheels.SPIN + rng.normal(0.0, np.radians(0.2))
-    return calibrate_wheels(DEAD_WHEELS, run_ticks, run, spin_ticks, angle)
 
 
 @cache
@@ -43,7 +31,7 @@ def errors(seed: int, duration: float) -> dict[str, tuple[float, float]]:
     rng = np.random.default_rng([seed, 1])
     gaps = drive.bumps(rng, duration)
     log = drive.drive_log(own_wheels(seed), own_imu(seed), rng, duration, gaps=gaps)
-    found, sizes = {}, calibrated(seed)
+    found, sizes = {}, calibrated_wheels(seed)
     for heading in HEADINGS:
         poses = dead_reckoning(
             Parts(),
@@ -73,7 +61,7 @@ def test_wheels_alone_lose_the_heading_and_with_it_the_place(seed):
 
 @pytest.mark.parametrize("seed", SAMPLE)
 def test_a_run_and_a_spin_find_this_robot_to_a_thousandth(seed):
-    true, found = own_wheels(seed), calibrated(seed)
+    true, found = own_wheels(seed), calibrated_wheels(seed)
     # 1 mm of the 2 m that the rear wheel rolls, and 0.2 degrees of ten turns; three sigma
     np.testing.assert_allclose(found.radius, true.radius, rtol=0.0015)
     np.testing.assert_allclose(found.matrix[:, 2], true.matrix[:, 2], rtol=0.002)

@@ -6,7 +6,7 @@ from robocon_course.autopilot import Parts
 from robocon_course.exercises.workspace import Workspace, WorkspaceError
 
 
-def robot_parts(which: str = "mixed") -> Parts:
+def robot_parts(which: str = "mixed", *, workspace: Workspace | None = None) -> Parts:
     """The robot's parts.
 
     Parameters
@@ -14,6 +14,8 @@ def robot_parts(which: str = "mixed") -> Parts:
     which : {"mixed", "mine", "reference"}
         ``"mixed"``: your accepted parts, the course's for the rest. ``"mine"``: only your own.
         ``"reference"``: only the course's.
+    workspace : Workspace, optional
+        Where the accepted parts lie; without it beside the notebook.
 
     Raises
     ------
@@ -22,7 +24,7 @@ def robot_parts(which: str = "mixed") -> Parts:
     """
     if which not in ("mixed", "mine", "reference"):
         raise ValueError(f"which: expected 'mixed', 'mine' or 'reference', got {which!r}")
-    workspace = Workspace()
+    workspace = workspace or Workspace()
     accepted = {exercise_id.partition(".")[2]: exercise_id for exercise_id in workspace.in_use()}
     missing = [name for name in Parts.names() if name not in accepted]
     if which == "mine" and missing:

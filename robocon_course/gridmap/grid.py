@@ -233,3 +233,14 @@ def inflate(grid: GridMap, radius: float) -> GridMap:
     squared = np.rint(np.square(distance, dtype=np.float64))
     wide = squared >= (radius / grid.resolution) ** 2 * (1.0 - 1e-9)
     return GridMap(grid.free & wide, grid.resolution, grid.origin)
+
+
+def inflate_square(grid: GridMap, half: float) -> GridMap:
+    """Placeholder until the chapter brings its own."""
+    import cv2
+
+    n = int(np.ceil(half / grid.resolution - 1e-9))
+    blocked = np.pad(~grid.free, n, constant_values=True).astype(np.uint8)
+    grown = cv2.dilate(blocked, np.ones((2 * n + 1, 2 * n + 1), np.uint8))
+    inner = grown[n : n + grid.shape[0], n : n + grid.shape[1]]
+    return GridMap(inner == 0, grid.resolution, grid.origin)

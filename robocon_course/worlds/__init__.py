@@ -1,14 +1,15 @@
 """Student number -> seed -> a world of one's own, the same to the bit on every machine.
 
-===========  ====================================================
-``student``  student numbers, and draws that belong to one
-``imu``      chapter 01: a phone's IMU and its logs
-``robot``    one student's robot, not quite as drawn
-``swerve``   chapter 03: its modules, a log of them, and a wet floor
-``practice`` chapter 05: a cart of one's own, carts and paths nobody has seen
-``wheels``   chapter 02: its dead wheels and the logs they recorded
-``drive``    drives of that robot in the simulator
-===========  ====================================================
+=============  ====================================================
+``student``    student numbers, and draws that belong to one
+``imu``        chapter 01: a phone's IMU and its logs
+``robot``      one student's robot, not quite as drawn
+``swerve``     chapter 03: its modules, a log of them, and a wet floor
+``practice``   chapter 05: a cart of one's own, carts and paths nobody has seen
+``wheels``     chapter 02: its dead wheels and the logs they recorded
+``drive``      drives of that robot in the simulator
+``to_area_3``  the drive that it plans and follows by itself
+=============  ====================================================
 """
 
 from robocon_course.worlds.drive import (
@@ -43,6 +44,7 @@ from robocon_course.worlds.practice import (
 from robocon_course.worlds.robot import own_robot, own_wheels
 from robocon_course.worlds.student import Student, generator, student_number
 from robocon_course.worlds.swerve import SlipLog, SwerveWorld, slip_log, swerve_world
+from robocon_course.worlds.to_area_3 import FieldDrive, calibrated_wheels, field_drive
 from robocon_course.worlds.wheels import (
     BITS,
     RUN,
@@ -70,6 +72,7 @@ __all__ = [
     "SPIN",
     "SQUARE",
     "DriveLog",
+    "FieldDrive",
     "ImuWorld",
     "OdometryWorld",
     "PracticeWorld",
@@ -80,8 +83,10 @@ __all__ = [
     "SwerveWorld",
     "WheelLog",
     "bumps",
+    "calibrated_wheels",
     "drive_log",
     "failures",
+    "field_drive",
     "finely",
     "generator",
     "gyro_of",

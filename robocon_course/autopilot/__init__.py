@@ -1,0 +1,50 @@
+"""The robot's replaceable parts, and the order in which they run: the only room that knows it.
+
+    Observation → reckon → pose ─┐
+    bitmap → plan_route → Route ─┴→ follow_step → velocity → module_command → Command
+
+==============  ==========================================================
+``parts``       `Parts`: one function for each part, the course's or mine
+``sensing``     readings -> attitude, pose; whole logs and step by step
+``route``       start and goal -> path and speeds
+``following``   path and pose -> velocity on the field
+``modules``     velocity on the field -> command for the modules
+``pilot``       `Pilot`: all of it, observation by observation
+==============  ==========================================================
+"""
+
+from robocon_course.autopilot.following import Following, FollowSettings, follow_step
+from robocon_course.autopilot.modules import module_command
+from robocon_course.autopilot.parts import Part, Parts
+from robocon_course.autopilot.pilot import Pilot
+from robocon_course.autopilot.route import DriveLimits, Route, plan_route, room_for_body
+from robocon_course.autopilot.sensing import (
+    COUNTER_BITS,
+    HEADINGS,
+    Reckoning,
+    attitude_angles,
+    dead_reckoning,
+    lidar_y,
+    reckon,
+)
+
+__all__ = [
+    "COUNTER_BITS",
+    "HEADINGS",
+    "DriveLimits",
+    "FollowSettings",
+    "Following",
+    "Part",
+    "Parts",
+    "Pilot",
+    "Reckoning",
+    "Route",
+    "attitude_angles",
+    "dead_reckoning",
+    "follow_step",
+    "lidar_y",
+    "module_command",
+    "plan_route",
+    "reckon",
+    "room_for_body",
+]

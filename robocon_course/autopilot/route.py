@@ -1,0 +1,173 @@
+"""From two points on the field to a path with a speed for each of its points.
+
+    bitmap → room for the body → A* → pulled tight → rounded → speeds
+
+The body is a square that keeps its heading, so its room is a square too: a disc as wide as the body
+lets a corner of it touch the corner of an obstacle. Between body and obstacles a margin stays free,
+for what tracking and odometry are off; near start and goal, where somebody put the robot, none is
+asked for. Where a passage is too narrow for the margin, it gets smaller.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robocon_course._arrays import FloatArray, as_floats
+from robocon_course.autopilot.parts import Parts
+from robocon_course.geometry import distance_along
+from robocon_course.gridmap import GridMap
+from robocon_course.planning import NoPathError, Plan, line_of_sight
+from robocon_course.robot import SIDE
+
+MARGINS = (0.12, 0.06, 0.0)
+"""Room between body and obstacles, as much as there is [m]."""
+NEAR_END = 0.4
+"""So near to start and goal no margin is asked for [m]."""
+
+
+class DriveLimits(NamedTuple):
+    """How a path is driven.
+
+    Attributes
+    ----------
+    speed : float  [m/s]
+    accel : float  [m/s^2]
+        Along the path; the floor holds 5.9.
+    lateral : float  [m/s^2]
+        Across it, in bends.
+    curvature : float  [1/m]
+        The path bends no more.
+    """
+
+    speed: float = 2.0
+    accel: float = 2.0
+    lateral: float = 1.5
+    curvature: float = 2.5
+
+
+class Route(NamedTuple):
+    """A path to drive.
+
+    Attributes
+    ----------
+    xy : ndarray, shape (n, 2)  [m, map]
+        From start to goal.
+    along : ndarray, shape (n,)  [m]
+        Way from the start to each point.
+    speeds : ndarray, shape (n,)  [m/s]
+    plan : Plan
+        The cells that it was made of.
+    margin : float  [m]
+        Room that the body keeps.
+    """
+
+    xy: FloatArray
+    along: FloatArray
+    speeds: FloatArray
+    plan: Plan
+    margin: float
+
+
+def plan_route(
+    parts: Parts,
+    grid: GridMap,
+    start: ArrayLike,
+    goal: ArrayLike,
+    *,
+    limits: DriveLimits = DriveLimits(),  # noqa: B008 - a NamedTuple cannot change
+) -> Route:
+    """The robot's way from two points to a path and its speeds.
+
+    Parameters
+    ----------
+    parts : Parts
+    grid : GridMap
+        Free where no obstacle stands.
+    start, goal : array_like, shape (2,)  [m, map]
+        Of the robot's middle; it looks along an axis of the map all the way.
+    limits : DriveLimits
+
+    Returns
+    -------
+    Route
+
+    Raises
+    ------
+    NoPathError
+        The body does not fit where start or goal are, or no way leads from one to the other.
+    ValueError
+        Points that are not finite.
+    """
+    ends = np.stack([as_floats(start, "start", 2), as_floats(goal, "goal", 2)])
+    _check_room(parts, grid, ends)
+    for margin in MARGINS:
+        room = room_for_body(parts, grid, ends, margin)
+        try:
+            plan = parts.astar(room, *ends)
+            break
+        except NoPathError:
+            if margin == MARGINS[-1]:
+                raise
+    xy = np.array(plan.xy, float)
+    if len(xy) > 1:
+        tight = parts.shorten_path(room, _with_ends(room, xy, ends))
+        xy = np.asarray(parts.smooth_path(room, tight, limits.curvature), float)
+    if len(xy) < 3:  # the goal lies in the start's own cell or beside it: a profile needs a middle
+        xy = np.linspace(*ends, 3)
+    speeds = parts.speed_profile(xy, limits.speed, limits.accel, limits.lateral)
+    return Route(xy, distance_along(xy), np.asarray(speeds, float), plan, margin)
+
+
+def _with_ends(room: GridMap, xy: FloatArray, ends: FloatArray) -> FloatArray:
+    """A way with the very start and goal in place of the middles of their cells, where it can be.
+
+    A start on the edge of its cell, with an obstacle's room beside it, stays in the middle: the
+    robot stands so much beside its path at first.
+    """
+    for place, beside, end in ((0, 1, ends[0]), (-1, -2, ends[1])):
+        if line_of_sight(room, end, xy[beside]):
+            xy[place] = end
+    return xy
+
+
+def _check_room(parts: Parts, grid: GridMap, ends: FloatArray) -> None:
+    """Refuse an end that is free, but not for the whole body."""
+    fits = room_for_body(parts, grid, ends, 0.0).is_free(ends)
+    for name, (x, y), free, fit in zip(
+        ("start", "goal"), ends, grid.is_free(ends), fits, strict=True
+    ):
+        if free and not fit:
+            raise NoPathError(
+                f"{name}: at ({x:g}, {y:g}) m the body of {SIDE:g} m stands in an obstacle or in "
+                f"the fence; its middle needs {0.5 * SIDE:g} m on each side",
+                "blocked",
+            )
+
+
+def room_for_body(parts: Parts, grid: GridMap, ends: FloatArray, margin: float) -> GridMap:
+    """Where the middle of the body may be: with a margin, but near the ends without.
+
+    Parameters
+    ----------
+    parts : Parts
+    grid : GridMap
+    ends : ndarray, shape (k, 2)  [m, map]
+    margin : float  [m]
+
+    Returns
+    -------
+    GridMap
+    """
+    room = parts.inflate_square(grid, 0.5 * SIDE)
+    if margin == 0.0:
+        return room
+    wide = parts.inflate_square(grid, 0.5 * SIDE + margin)
+    rows, cols = np.indices(grid.shape, sparse=True)
+    x, y = grid.centres(np.stack([0 * cols + rows, 0 * rows + cols], axis=-1)).transpose(2, 0, 1)
+    near = np.zeros(grid.shape, dtype=bool)
+    for end_x, end_y in ends:
+        near |= np.hypot(x - end_x, y - end_y) < NEAR_END
+    return GridMap(wide.free | (room.free & near), grid.resolution, grid.origin)
