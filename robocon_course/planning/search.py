@@ -99,8 +99,8 @@ def search(mark, width, ends, rules, cost, order, top, pool):
         Takes 1, 2, 3 ... where the search went on from a cell, if there is room.
     top : ndarray of int32, shape (m,)
         All 0, m a power of two. The buckets: the number of the entry on top of each.
-    pool : ndarray of int32, shape (k, 2)
-        Room for entries; that of number 0 is not used.
+    pool : ndarray of int32, shape (2, k)
+        Room for entries: their cells, and the numbers of those below. Number 0 stays unused.
 
     Returns
     -------
@@ -112,8 +112,9 @@ def search(mark, width, ends, rules, cost, order, top, pool):
     row, col = divmod(start, width)
     level = times(weight, estimate(row - goal_row, col - goal_col, heuristic)) >> shift
     ring, highest = len(top) - 1, level  # & ring is modulo the number of buckets
+    which, below, steps = pool[0], pool[1], D_ROW * width + D_COL
     cost[start], mark[start], top[level & ring] = 0, WAITING + STEP + NOWHERE, 1
-    pool[1] = start, 0
+    which[1], below[1] = start, 0
     spare, unused = 0, 2  # a pile of entries given back, and the first that never held anything
     best, expanded = (0 if start == goal else NEVER), 0
     while level <= highest and level << shift < best:
@@ -121,19 +122,20 @@ def search(mark, width, ends, rules, cost, order, top, pool):
         if entry == 0:
             level += 1
             continue
-        cell = int(pool[entry, 0])  # wider than it is kept: costs are no 32-bit numbers
-        top[level & ring], pool[entry, 1], spare = pool[entry, 1], spare, entry
-        if mark[cell] < WAITING:
+        cell = int(which[entry])  # wider than it is kept: costs are no 32-bit numbers
+        top[level & ring], below[entry], spare = below[entry], spare, entry
+        came = int(mark[cell]) - WAITING - STEP
+        if came < 0:
             continue  # another entry of this cell was better
-        mark[cell] -= WAITING
+        mark[cell] = STEP + came
         expanded += 1
         if len(order):
             order[cell] = expanded
         row, col = divmod(cell, width)
-        todo = worth[int(mark[cell]) - STEP, walls_around(mark, width, cell)]
+        todo = worth[came, walls_around(mark, width, cell)]
         while todo:
             k, todo = todo & 7, todo >> 4
-            to = cell + D_ROW[k] * width + D_COL[k]
+            to = cell + steps[k]
             new = cost[cell] + (DIAGONAL if k & 1 else STRAIGHT)
             if mark[to] and (new >= cost[to] or (once and mark[to] < WAITING)):
                 continue
@@ -148,13 +150,12 @@ def search(mark, width, ends, rules, cost, order, top, pool):
             if highest - level > ring:
                 return NEVER, -1
             if spare:
-                entry, spare = spare, pool[spare, 1]
-            elif unused < len(pool):
+                entry, spare = spare, below[spare]
+            elif unused < len(which):
                 entry, unused = unused, unused + 1
             else:
                 return NEVER, -2
-            pool[entry, 0], pool[entry, 1] = to, top[f >> shift & ring]
-            top[f >> shift & ring] = entry
+            which[entry], below[entry], top[f >> shift & ring] = to, top[f >> shift & ring], entry
     return best, expanded
 
 

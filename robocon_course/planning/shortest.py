@@ -212,7 +212,7 @@ def _rules(weight: float, heuristic: str, cut_corners: bool) -> Rules:
         parts, excess = floor(1.0 / most), 0.0
     once = excess > 0.0
     # A bucket spans 2^shift, and no more than ``excess`` steps.
-    shift = min(30, floor(log2(excess * moves.STRAIGHT))) if once else 30
+    shift = floor(log2(excess * moves.STRAIGHT)) if once else 30
     return Rules(parts, code, once, shift, _worthwhile(bool(cut_corners), once))
 
 
@@ -223,10 +223,10 @@ def _find(task: Task, rules: Rules, watch: bool) -> Plan:
     start, goal = ((row + 1) * width + col + 1 for row, col in (task.start, task.goal))
     cells = (rows + 2) * width
     cost, order = np.empty(cells, np.int64), np.zeros(cells if watch else 0, np.int32)
-    levels, entries, expanded = 4096, cells // 4 + 1024, -1
+    levels, entries, expanded = 4096, cells // 16 + 1024, -1
     while expanded < 0:  # hardly ever twice
         mark = moves.prepared(task.room)
-        top, pool = np.zeros(levels, np.int32), np.empty((entries, 2), np.int32)
+        top, pool = np.zeros(levels, np.int32), np.empty((2, entries), np.int32)
         found, expanded = search.search(
             mark, width, (start, goal), tuple(rules), cost, order, top, pool
         )
