@@ -30,6 +30,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robocon_course._arrays import as_floats
 from robocon_course.gridmap import GridMap
 from robocon_course.planning import moves, search
 from robocon_course.planning.plans import Plan, Task, checked_task, no_way, plan_through
@@ -201,8 +202,9 @@ def _worthwhile(cut_corners: bool, once: bool) -> NDArray[np.int64]:
 
 def _rules(weight: float, heuristic: str, cut_corners: bool) -> Rules:
     """Everything about the search that is not the map."""
-    if heuristic not in HEURISTICS:
+    if not isinstance(heuristic, str) or heuristic not in HEURISTICS:
         raise ValueError(f"heuristic: must be one of {', '.join(HEURISTICS)}, got {heuristic!r}")
+    weight = float(as_floats(weight, "weight", finite=False))
     if not 0.0 <= weight <= GREATEST_WEIGHT:
         raise ValueError(f"weight: must be from 0 to {GREATEST_WEIGHT:g}, got {weight!r}")
     code, parts = HEURISTICS[heuristic], floor(weight * search.ONE)
@@ -218,22 +220,28 @@ def _rules(weight: float, heuristic: str, cut_corners: bool) -> Rules:
 
 def _find(task: Task, rules: Rules, watch: bool) -> Plan:
     """The plan of one search."""
-    rows, cols = task.room.shape
-    width = cols + 2
+    width = task.room.shape[1] + 2
     start, goal = ((row + 1) * width + col + 1 for row, col in (task.start, task.goal))
-    cells = (rows + 2) * width
+    mark, order, expanded = _searched(task, (start, goal), rules, watch)
+    flat = search.trace(mark, width, start, goal)
+    way = np.column_stack([flat // width - 1, flat % width - 1])
+    seen = order.reshape(-1, width)[1:-1, 1:-1] if watch else None
+    return plan_through(task.room, way, expanded, seen)
+
+
+def _searched(
+    task: Task, ends: tuple[int, int], rules: Rules, watch: bool
+) -> tuple[NDArray[np.uint8], NDArray[np.int32], int]:
+    """Marks that lead back from the goal, the order of the cells, and how many there were."""
+    rows, cols = task.room.shape
+    cells = (rows + 2) * (cols + 2)
     cost, order = np.empty(cells, np.int64), np.zeros(cells if watch else 0, np.int32)
     levels, entries, expanded = 4096, cells // 16 + 1024, -1
     while expanded < 0:  # hardly ever twice
         mark = moves.prepared(task.room)
         top, pool = np.zeros(levels, np.int32), np.empty((2, entries), np.int32)
-        found, expanded = search.search(
-            mark, width, (start, goal), tuple(rules), cost, order, top, pool
-        )
+        found, expanded = search.search(mark, cols + 2, ends, tuple(rules), cost, order, top, pool)
         levels, entries = (2 * levels, entries) if expanded == -1 else (levels, 2 * entries)
     if found == moves.NEVER:
         raise no_way(task, int((mark > moves.WALL).sum()))
-    flat = search.trace(mark, width, start, goal)
-    way = np.column_stack([flat // width - 1, flat % width - 1])
-    seen = order.reshape(-1, width)[1:-1, 1:-1] if watch else None
-    return plan_through(task.room, way, expanded, seen)
+    return mark, order, expanded
