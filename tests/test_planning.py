@@ -21,6 +21,7 @@ from robocon_course.planning import (
     anytime_astar,
     astar,
     line_of_sight,
+    moves,
     nearest_free,
     path_curvature,
     path_length,
@@ -76,6 +77,14 @@ def assert_is_a_way(plan, grid: GridMap, cut_corners: bool = False) -> None:
         (row, col), (to_row, to_col) = plan.cells[:-1].T, plan.cells[1:].T
         assert grid.free[row, to_col].all() and grid.free[to_row, col].all()
     assert plan.length == pytest.approx(path_length(plan.xy), abs=1e-9)
+
+
+def serpentine(side: int) -> np.ndarray:
+    """A corridor to and fro, one cell wide: the longest way there can be."""
+    free = np.ones((side, side), dtype=bool)
+    free[1::2] = False
+    free[1::4, 0] = free[3::4, -1] = True
+    return free
 
 
 bitmaps = arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, max_side=12))
@@ -160,14 +169,11 @@ def test_costs_order_ways_as_their_lengths_do():
 
 
 def test_a_way_along_a_maze_of_many_bends_is_found():
-    """It is far longer than the buckets reach that the first attempt has."""
-    free = np.ones((81, 80), dtype=bool)
-    for row in range(1, 80, 2):
-        free[row] = False
-        free[row, 0 if row % 4 == 1 else -1] = True
-    plan = astar(GridMap(free, 1.0), [79.5, 0.5], [0.5, 80.5])
-    assert plan.length == pytest.approx(naive_length(free, (0, 79), (80, 0)))
-    assert plan.length > 3000
+    """It is far longer than the ring of buckets is wide."""
+    free = serpentine(121)
+    plan = astar(GridMap(free, 1.0), [120.5, 0.5], [0.5, 120.5])
+    assert plan.length == pytest.approx(naive_length(free, (0, 120), (120, 0)))
+    assert plan.length > 7000
 
 
 def test_the_same_question_gets_the_same_way_to_the_bit():
@@ -184,12 +190,83 @@ def test_the_kernel_read_as_plain_python_does_the_same(monkeypatch):
     grid = GridMap(rng.random((30, 30)) > 0.25, 1.0)
     start, goal = nearest_free(grid, [5.0, 5.0]), nearest_free(grid, [28.0, 28.0])
     compiled = [astar(grid, start, goal, weight=w, watch=True) for w in (1.0, 1.5)]
-    for name in ("search", "trace", "estimate", "may_step"):
+    for name in ("search", "trace", "times", "estimate", "walls_around"):
         monkeypatch.setattr(search, name, getattr(search, name).py_func)
     for plan, w in zip(compiled, (1.0, 1.5), strict=True):
         plain = astar(grid, start, goal, weight=w, watch=True)
         np.testing.assert_array_equal(plain.cells, plan.cells)
         np.testing.assert_array_equal(plain.order, plan.order)
+
+
+NINE = [(row, col) for row in range(3) for col in range(3)]  # a cell and all that is around it
+
+
+def length_past_the_middle(free: np.ndarray, start, end, cut_corners: bool) -> float:
+    """Length of the shortest way on nine cells that never enters the one in the middle."""
+    length = {cell: inf for cell in NINE} | {tuple(start): 0.0}
+    for _ in range(8):
+        for row, col in NINE:
+            for to in NINE:
+                beside = free[to[0], col] and free[row, to[1]]
+                one_step = max(abs(to[0] - row), abs(to[1] - col)) == 1
+                if one_step and free[to] and to != (1, 1) and (beside or cut_corners):
+                    length[to] = min(length[to], length[row, col] + hypot(to[0] - row, to[1] - col))
+    return length[tuple(end)]
+
+
+@pytest.mark.parametrize("cut_corners", [False, True])
+def test_a_step_is_needless_just_if_its_end_is_reached_as_cheaply_without_it(cut_corners):
+    table, around = (
+        moves.worthwhile(cut_corners, False),
+        list(zip(search.D_ROW.tolist(), search.D_COL.tolist(), strict=True)),
+    )
+    judged = 0
+    for walls in range(256):
+        free = np.ones((3, 3), dtype=bool)
+        for k, (dr, dc) in enumerate(around):
+            free[1 + dr, 1 + dc] = not walls >> k & 1
+        for came, (dr, dc) in enumerate(around):
+            before, step = (1 - dr, 1 - dc), hypot(dr, dc)
+            if not free[before] or not (cut_corners or (free[1 - dr, 1] and free[1, 1 - dc])):
+                continue  # nobody comes that way
+            row = int(table[came, walls])
+            worth = [row >> 4 * i & 7 for i in range(8) if row >> 4 * i & 8]
+            for k, (up, right) in enumerate(around):
+                end, through = (1 + up, 1 + right), step + hypot(up, right)
+                opened = free[end] and (cut_corners or (free[end[0], 1] and free[1, end[1]]))
+                past = length_past_the_middle(free, before, end, cut_corners)
+                # Of two equally long ways the one that begins with the diagonal step is kept.
+                needless = past < through - 1e-9 or (came % 2 == 0 and past < through + 1e-9)
+                assert (k in worth) == (opened and not needless), (walls, came, k)
+                judged += 1
+    assert judged > 5000
+
+
+def test_where_a_cell_is_gone_on_from_once_only_steps_back_are_needless():
+    straight_on, at_the_start = moves.worthwhile(False, True)[[0, search.NOWHERE], 0].tolist()
+    # Two eighths to each side, straight on last: what is put on a pile last is taken up first.
+    assert f"{straight_on:x}" == "89fae"
+    assert sorted(f"{at_the_start:x}") == sorted("89abcdef")
+
+
+@pytest.mark.parametrize("weight", [1.0, 1.5, 5.0])
+def test_a_search_that_ran_out_of_room_is_made_again_with_more(monkeypatch, weight):
+    rng, kernel, tries = np.random.default_rng(6), search.search, []
+    grid = GridMap(rng.random((60, 60)) > 0.25, 1.0)
+    ends = nearest_free(grid, [1.0, 1.0]), nearest_free(grid, [58.0, 58.0])
+    wanted = astar(grid, *ends, weight=weight, watch=True)
+
+    def in_a_corner(*arguments):
+        *others, top, pool = arguments
+        found = kernel(*others, top[: len(top) // 1024], pool[:, : pool.shape[1] // 256].copy())
+        tries.append(found[1])
+        return found
+
+    monkeypatch.setattr(search, "search", in_a_corner)
+    plan = astar(grid, *ends, weight=weight, watch=True)
+    np.testing.assert_array_equal(plan.cells, wanted.cells)
+    np.testing.assert_array_equal(plan.order, wanted.order)
+    assert -2 in tries and (-1 in tries) == (weight > 1.0) and tries[-1] == plan.expanded
 
 
 # --- estimates and weights --------------------------------------------------------------------
@@ -348,17 +425,49 @@ def test_a_map_of_ros_can_be_planned_on(tmp_path):
     np.testing.assert_allclose(plan.xy[0], [-2.375, 7.125])
 
 
-def test_memory_for_a_cell_stays_below_sixteen_bytes():
-    rng = np.random.default_rng(2)
-    free = rng.random((1000, 1000)) > 0.3
-    free[0, 0] = free[-1, -1] = True
-    grid = GridMap(free, 1.0)
-    astar(grid, [0.5, 0.5], [999.5, 999.5])  # what compiling needs is not counted
+def peaks_of(grid: GridMap, monkeypatch, **options) -> tuple[float, float]:
+    """Most memory held [bytes a cell of the map] until the goal was reached, and in the end."""
+    reached, trace = [], search.trace
+
+    def watched_trace(*arguments):
+        reached.append(tracemalloc.get_traced_memory()[1])
+        return trace(*arguments)
+
+    first, last = grid.centres([[2, 2], np.subtract(grid.shape, 3)])
+    astar(grid, first, first, **options)  # what compiling needs is not counted
+    monkeypatch.setattr(search, "trace", watched_trace)
     tracemalloc.start()
-    astar(grid, [0.5, 0.5], [999.5, 999.5])
+    astar(grid, first, last, **options)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert peak / free.size <= 16.0
+    return reached[0] / grid.free.size, peak / grid.free.size
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        dict(),
+        dict(weight=0),
+        dict(weight=1.11),
+        dict(weight=100, heuristic="manhattan"),
+        dict(cut_corners=True),
+        dict(watch=True),
+        dict(clearance=1.0),
+    ],
+    ids=str,
+)
+def test_memory_for_a_cell_stays_below_sixteen_bytes(options, monkeypatch):
+    free = np.random.default_rng(2).random((1001, 1001)) > (0.02 if "clearance" in options else 0.2)
+    free[:4, :4] = free[-4:, -4:] = True
+    _, peak = peaks_of(GridMap(free, 1.0), monkeypatch, **options)
+    assert 9.0 < peak <= 16.0
+
+
+@pytest.mark.parametrize("weight", [0, 1, 1.11, 100])
+def test_the_search_takes_no_more_memory_in_a_maze(weight, monkeypatch):
+    """The way, half a million points long, is not counted: each takes four numbers."""
+    reached, _ = peaks_of(GridMap(serpentine(1001), 1.0), monkeypatch, weight=weight)
+    assert 9.0 < reached <= 16.0
 
 
 # --- odd maps and refusals --------------------------------------------------------------------
@@ -378,6 +487,16 @@ def test_a_map_one_cell_wide_is_a_map(shape):
     assert plan.length == pytest.approx(0.5 * (max(shape) - 1))
 
 
+@pytest.mark.parametrize("heuristic", ["octile", "manhattan"])
+@pytest.mark.parametrize("weight", [0, 1, 1.5, 100])
+def test_a_corridor_of_a_hundred_thousand_cells_is_no_trouble(weight, heuristic):
+    """The weighted estimate of its length does not fit into 64 bits before it is divided."""
+    grid = GridMap(np.ones((1, 100_000), dtype=bool), 1.0)
+    for ends in ([[0.5, 0.5], [99999.5, 0.5]], [[99999.5, 0.5], [0.5, 0.5]]):
+        plan = astar(grid, *ends, weight=weight, heuristic=heuristic)
+        assert plan.length == 99999.0 and plan.expanded <= 100_000
+
+
 TWO_ROOMS = drawn("..#.. ..#.. ..#..")
 
 
@@ -391,6 +510,7 @@ TWO_ROOMS = drawn("..#.. ..#.. ..#..")
         ([0.5, 0.5], [4.5, 3.0], 0.0, "outside", "goal: .*outside the map"),
         ([0.5, 0.5], [1.5, 2.5], 0.5, "blocked", "start: .*nearer than the clearance of 0.5 m"),
         ([0.5, 0.5], [1.5, 2.5], 1e9, "blocked", "start: .*nearer than the clearance of 1e"),
+        ([0.5, 0.5], [1.5, 2.5], 1e300, "blocked", "start: .*nearer than the clearance of 1e"),
     ],
 )
 def test_where_there_is_no_way_the_message_says_why(start, goal, clearance, reason, sentence):
@@ -419,6 +539,9 @@ def test_on_a_map_without_a_free_cell_nothing_can_be_planned():
         (dict(weight=-1.0), "weight: must be from 0"),
         (dict(weight=nan), "weight: must be from 0"),
         (dict(weight=1e9), "weight: must be from 0"),
+        (dict(weight="much"), "weight: expected numbers, got str"),
+        (dict(clearance=inf), "clearance: .*not a finite number"),
+        (dict(heuristic=["octile"]), "heuristic: must be one of octile"),
         (dict(heuristic="chebyshev"), "heuristic: must be one of octile"),
     ],
 )

@@ -226,12 +226,13 @@ def inflate(grid: GridMap, radius: float) -> GridMap:
     radius = float(as_floats(radius, "radius"))
     if radius < 0.0:
         raise ValueError(f"radius: must not be negative, got {radius!r}")
-    blocked = np.pad(~grid.free, 2, constant_values=True).astype(np.uint8)
-    grown = cv2.dilate(blocked, np.ones((3, 3), np.uint8))
-    distance = cv2.distanceTransform(1 - grown, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[2:-2, 2:-2]
+    room = cv2.erode(np.pad(grid.free, 2).view(np.uint8), np.ones((3, 3), np.uint8))
+    distance = cv2.distanceTransform(room, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[2:-2, 2:-2]
     # Squared, a distance in cells is a whole number: rounded, it is exact.
-    squared = np.rint(np.square(distance, dtype=np.float64))
-    wide = squared >= (radius / grid.resolution) ** 2 * (1.0 - 1e-9)
+    squared, cells = np.square(distance, dtype=np.float64), radius / grid.resolution
+    np.rint(squared, out=squared)
+    wide = squared >= cells * cells * (1.0 - 1e-9)
+    del distance, squared  # twelve bytes a cell, before the map takes its own
     return GridMap(grid.free & wide, grid.resolution, grid.origin)
 
 
