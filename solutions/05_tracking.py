@@ -202,21 +202,17 @@ def winding_up(state, setpoint, measured, dt, gains, limits):
     return free._replace(output=float(np.clip(free.output, *limits[:2])))
 
 
+# %%
 gains, narrow = PidGains(2.0, 3.0), PidLimits(-0.3, 0.3)
 runs = {"wrong: winds up": winding_up, "reference": tracking.pid_step}
 answers = {n: turn_to(np.pi, gains, narrow, step=s, seconds=8.0) for n, s in runs.items()}
-panels = {
-    "Heading [deg]": {name: np.degrees(row[0]) for name, row in answers.items()},
-    "Output [m/s]": {name: row[1] for name, row in answers.items()},
-}
-most = {name: heading.max() for name, heading in panels["Heading [deg]"].items()}
+turned = {name: np.degrees(heading) for name, (heading, _) in answers.items()}
+outputs = {name: output for name, (_, output) in answers.items()}
+panels, bounds = {title: turned, "Output [m/s]": outputs}, {"Output [m/s]": (-0.3, 0.3)}
+most = {name: heading.max() for name, heading in turned.items()}
+clock = 0.01 * np.arange(800)
 show(
-    plots.plot_responses(
-        0.01 * np.arange(800),
-        panels,
-        targets={"Heading [deg]": 180.0},
-        limits={"Output [m/s]": narrow[:2]},
-    ),
+    plots.plot_responses(clock, panels, targets={title: 180.0}, limits=bounds),
     f"Half a turn with an output of at most 0.3 m/s. With a wound-up integral the cart turns to "
     f"{most['wrong: winds up']:.0f}°, with anti-windup to {most['reference']:.0f}°.",
 )
@@ -258,9 +254,8 @@ def pid_step(state, setpoint, measured, dt, gains, limits):
     pushes = (output > limits.high and growth > 0) or (output < limits.low and growth < 0)
     integral = state.integral if pushes else state.integral + growth
     output = min(max(output, limits.low), limits.high)
-    return tracking.PidState(
-        proportional, integral, derivative, measured, 0.0, output, state.rejected
-    )
+    terms = proportional, integral, derivative
+    return tracking.PidState(*terms, measured, 0.0, output, state.rejected)
     ### END SOLUTION
 
 
@@ -385,7 +380,8 @@ answer(
 
 # %% [markdown]
 # The rules are a place to begin. Their authors wanted disturbances to fade quickly, and put up with
-# an overshoot. Here are the gains for the cart of section 3, and the same with $k_i$ cut to a tenth.
+# an overshoot. Here are the gains for the cart of section 3, and the same with $k_i$ cut to a tenth. Its
+# lag is chosen so that it swings like the cart from Surabaya.
 
 # %%
 ours = worlds.PracticeWorld(tracking.DifferentialModel())
@@ -398,8 +394,9 @@ over = [100 * (heading.max() / 0.2 - 1) for heading in answers.values()]
 target = np.degrees(np.where(time[:150] < 0.2, 0.0, 0.2))
 show(
     plots.plot_responses(time[:150], {title: headings}, targets={title: target}),
-    f"A step of 11°. With the gains of the rule, k_p {rule.k_p:.1f}, k_i {rule.k_i:.0f}, k_d {rule.k_d:.2f}, "
-    f"the cart overshoots by {over[0]:.0f} %, with a tenth of k_i by {over[1]:.0f} %.",
+    f"The cart swings without end at a gain of {critical.gain:.1f} m/s per rad, with a period of {100 * critical.period:.1f} samples; "
+    f"the one from Surabaya with 21. A step of 11° with the rule's gains, k_p {rule.k_p:.1f}, k_i {rule.k_i:.0f}, "
+    f"k_d {rule.k_d:.2f}, overshoots by {over[0]:.0f} %, with a tenth of k_i by {over[1]:.0f} %.",
 )
 
 # %% [markdown]
@@ -421,14 +418,16 @@ hairpin = worlds.finely([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.0, 0.5]], 0.05)
 place = np.array([0.8, 0.3])
 whole = tracking.nearest_point(hairpin, place)
 near = tracking.nearest_point(hairpin, place, 10, 0.4)
+
+# %%
 fig, ax = figure(7.6, 2.3)
 ax.plot(*hairpin.T, "-", color=plots.TRUTH, alpha=0.3, linewidth=5)
-for one, colour, words in (
+for one, paint, words in (
     (whole, plots.WARN, "whole path"),
     (near, plots.REFERENCE, "from here on"),
 ):
-    ax.plot(*np.stack([place, one.xy]).T, "--", color=colour)
-    ax.plot(*one.xy, "o", color=colour, label=words, markersize=8)
+    ax.plot(*np.stack([place, one.xy]).T, "--", color=paint)
+    ax.plot(*one.xy, "o", color=paint, label=words, markersize=8)
 ax.plot(*place, "o", color=plots.MINE, markersize=9, label="robot, on the way out")
 ax.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
 ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
@@ -617,7 +616,8 @@ def follow(path, settings, model=None):
 
 
 # %% [markdown]
-# `tracking.trial` is the same loop, compiled: fast enough for sliders, and for searches with hundreds of drives.
+# `tracking.trial` is the same loop, compiled: fast enough for sliders, and for searches with
+# hundreds of drives. Its first call takes some seconds, once on this computer.
 
 # %%
 SOURCE = {name: worlds.finely(path) for name, path in worlds.SOURCE_PATHS.items()}
@@ -840,6 +840,8 @@ for speed, bands in worlds.PUBLISHED.items():
         lows, highs = np.transpose([widest(*run) for run in runs], (1, 0, 2))
         rows[speed, scheme] = lows.min(axis=0), highs.max(axis=0)
         ends[speed, scheme] = max(np.hypot(*(p[-1, :2] - SOURCE[n][-1])) for n, p in runs)
+
+# %%
 for (speed, scheme), band in rows.items():
     (x0, y0), (x1, y1) = 100 * np.array(band)
     end = 100 * ends.get((speed, scheme), 0.03)
@@ -859,6 +861,8 @@ for ax, axis in zip(panels, (0, 1)):
     ax.grid(axis="y", visible=False)
 names = [f"{speed} m/s, {scheme}" for speed, scheme in rows]
 panels[0].set_yticks([-row - row // 3 for row in range(6)], names)
+
+# %%
 most = 100 * max(np.abs(rows[s, "pursuit"]).max() for s in worlds.PUBLISHED)
 last = 1000 * max(ends[s, "pursuit"] for s in worlds.PUBLISHED)
 show(
@@ -939,6 +943,8 @@ columns = {
     "RMS [cm]": ([100 * np.sqrt(np.mean(run.cross_track**2)) for run in runs], 0.6),
     "it takes [s]": ([run.time[-1] for run in runs], 20.0),
 }
+
+# %%
 fig, panels = figure(8.2, 3.8, columns=3, sharey=True)
 for ax, (words, (values, limit)) in zip(panels, columns.items()):
     values = np.array(values)
@@ -1041,6 +1047,8 @@ aims = [printed_target(waypoints, x, 0.4, 0) for x in places]
 straight = np.column_stack([waypoints, 0.0 * waypoints])
 ours = [tracking.pure_pursuit(straight, [x, 0.0, 0.0], 0.4).target[0] for x in places]
 stuck = places[aims.index(None)]
+
+# %%
 fig, ax = figure(7.0, 3.0)
 ax.plot(places, ours, color=plots.REFERENCE, linewidth=2.4, label="ours")
 ax.plot(places, np.array(aims, float), color=plots.WARN, label="as printed")
@@ -1199,11 +1207,14 @@ show(
 # %%
 run = worlds.field_drive(student, mine, goal=field.AREA_3_GOAL, kind="noisy")
 label = "mine" if mine.mine else "reference"
-poses = {label: run.poses, "estimate": run.estimates}
+lost = 1000 * np.hypot(*(run.estimates - run.poses)[:, :2].T).max()
 show(
-    animate(run.time, poses, angles=run.module_angles, speeds=run.module_speeds, frames=60),
+    animate(
+        run.time, {label: run.poses}, angles=run.module_angles, speeds=run.module_speeds, frames=60
+    ),
     f"From the start zone to Area 3 over both ramps ({mine.label}): {run.reason}. It ends "
-    f"{100 * run.away:.0f} cm from the goal, LiDAR y {run.lidar_y:.2f} m, with {run.contacts} contacts.",
+    f"{1000 * run.away:.0f} mm from the goal, LiDAR y {run.lidar_y:.2f} m, with {run.contacts} contacts. On the way its own "
+    f"estimate is at most {lost:.0f} mm from the truth.",
 )
 
 # %% [markdown]
@@ -1258,13 +1269,11 @@ def tune(model, path):
     """
     ### BEGIN SOLUTION
     best, off = tracking.TrackingSettings(), np.inf
-    choices = itertools.product(
-        (0.4, 0.6, 0.8, 1.0, 1.3), (0.02, 0.03, 0.04), (0.65, 0.8, 0.9), (0.2, 0.4, 0.8, 1.6, 3.0)
-    )
-    for lags, least, share, lateral in choices:
-        settings = tracking.TrackingSettings(
-            lags * model.lag, least, share * model.max_speed, lateral
-        )
+    ahead = itertools.product((0.4, 0.6, 0.8, 1.0, 1.3), (0.02, 0.03, 0.04))
+    fast = itertools.product((0.65, 0.8, 0.9), (0.2, 0.4, 0.8, 1.6, 3.0))
+    for (lags, least), (share, lateral) in itertools.product(ahead, fast):
+        k, speed = lags * model.lag, share * model.max_speed
+        settings = tracking.TrackingSettings(k, least, speed, lateral)
         run = tracking.trial(path, model, settings)
         if run.duration <= tracking.time_allowed(path, model) and run.worst < off:
             best, off = settings, run.worst

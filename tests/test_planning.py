@@ -123,7 +123,7 @@ def test_a_corner_is_cut_only_if_that_is_allowed():
     assert astar(grid, [0.5, 1.5], [1.5, 0.5]).length == pytest.approx(2.0)
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=500)
 @given(
     tasks(), st.booleans(), st.sampled_from(["octile", "euclidean"]), st.sampled_from([0, 0.5, 1])
 )
@@ -272,6 +272,7 @@ def test_a_search_that_ran_out_of_room_is_made_again_with_more(monkeypatch, weig
 # --- estimates and weights --------------------------------------------------------------------
 
 
+@settings(deadline=None)
 @given(st.integers(-60, 60), st.integers(-60, 60))
 def test_only_manhattan_ever_estimates_too_much(rows, cols):
     far, near = max(abs(rows), abs(cols)), min(abs(rows), abs(cols))
@@ -283,6 +284,7 @@ def test_only_manhattan_ever_estimates_too_much(rows, cols):
     assert (manhattan > true) == (near > 0)
 
 
+@settings(deadline=None)
 @given(st.integers(-2000, 2000), st.integers(-2000, 2000), st.integers(0, 7))
 def test_an_admissible_estimate_falls_by_no_more_than_the_step_costs(rows, cols, k):
     step = search.DIAGONAL if k % 2 else search.STRAIGHT
@@ -490,11 +492,11 @@ def test_a_map_one_cell_wide_is_a_map(shape):
 @pytest.mark.parametrize("heuristic", ["octile", "manhattan"])
 @pytest.mark.parametrize("weight", [0, 1, 1.5, 100])
 def test_a_corridor_of_a_hundred_thousand_cells_is_no_trouble(weight, heuristic):
-    """The weighted estimate of its length does not fit into 64 bits before it is divided."""
+    """A hundred times the estimate of its length, before it is divided, needs 65 bits."""
     grid = GridMap(np.ones((1, 100_000), dtype=bool), 1.0)
-    for ends in ([[0.5, 0.5], [99999.5, 0.5]], [[99999.5, 0.5], [0.5, 0.5]]):
-        plan = astar(grid, *ends, weight=weight, heuristic=heuristic)
-        assert plan.length == 99999.0 and plan.expanded <= 100_000
+    plan = astar(grid, [20_000.5, 0.5], [99_999.5, 0.5], weight=weight, heuristic=heuristic)
+    assert plan.length == 79_999.0
+    assert plan.expanded <= (80_000 if weight else 100_000), "it went back"
 
 
 TWO_ROOMS = drawn("..#.. ..#.. ..#..")

@@ -7,6 +7,7 @@
 ``plans``       `Plan`, `NoPathError`: what every search is given and gives
 ``shortest``    A* in metres: weights, estimates, again with falling weight
 ``search``      its kernels: costs, steps, buckets; read them as ``.py_func``
+``moves``       one step, for the kernels: what it costs, whether it is open and worth a try
 ``path``        a way as a row of points: length, thinner, evenly spread
 ``sight``       what is in sight of what; a way without needless points
 ``smoothing``   a way that nowhere bends more than a limit

@@ -121,7 +121,9 @@ def plot_pursuit(
         ax.plot(*place, "o", color=colour, markersize=8, zorder=6)
         side = "right" if off[0] < 0 else "left"
         ax.annotate(name, place, off, color=colour, ha=side, **words)
-    ax.annotate(f"L = {far:.2f} m", (pose[:2] + target) / 2, (14, -6), color=MINE, **words)
+    tilt = np.degrees(np.arctan2(*(target - pose[:2])[::-1]))
+    tilted = words | {"rotation": (tilt + 90.0) % 180.0 - 90.0, "ha": "center", "va": "center"}
+    ax.annotate(f"L = {far:.2f} m", (pose[:2] + target) / 2, (6, -9), color=MINE, **tilted)
     shown = np.vstack([path, pose[:2] - 0.3, pose[:2] + 0.3])
     (x0, y0), (x1, y1) = shown.min(axis=0) - 0.1, shown.max(axis=0) + 0.1
     ax.set(aspect="equal", xlim=(x0, x1), ylim=(y0, y1), xlabel="x [m]", ylabel="y [m]")
