@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robocon_course import geometry, imu, odometry, swerve
+from robocon_course import geometry, gridmap, imu, odometry, planning, swerve
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.drivetrain import wheel_matrix
 from robocon_course.geometry import TURN
@@ -45,6 +45,10 @@ class Parts:
     integrate: Part = odometry.integrate
     body_velocity: Part = odometry.body_velocity
     calibrate_wheels: Part = odometry.calibrate_wheels
+    inflate_square: Part = gridmap.inflate_square
+    astar: Part = planning.astar
+    shorten_path: Part = planning.shorten_path
+    smooth_path: Part = planning.smooth_path
     pose_feedback: Part = swerve.pose_feedback
     field_to_robot: Part = swerve.field_to_robot
     discretize: Part = swerve.discretize

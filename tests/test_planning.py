@@ -15,7 +15,7 @@ from hypothesis.extra.numpy import array_shapes, arrays
 from scipy.ndimage import minimum_filter
 
 from robocon_course import field
-from robocon_course.gridmap import GridMap, inflate, load_map, save_map
+from robocon_course.gridmap import GridMap, inflate, inflate_square, load_map, save_map
 from robocon_course.planning import (
     NoPathError,
     anytime_astar,

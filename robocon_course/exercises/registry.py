@@ -8,7 +8,7 @@ import importlib
 
 from robocon_course.exercises.model import Chapter, Exercise, Number, UnknownExercise
 
-TOPICS = ("start", "imu", "odometry", "swerve")
+TOPICS = ("start", "imu", "odometry", "swerve", "planning")
 
 
 @functools.cache

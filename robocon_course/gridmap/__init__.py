@@ -7,6 +7,6 @@
 """
 
 from robocon_course.gridmap.files import load_map, save_map
-from robocon_course.gridmap.grid import GridMap, inflate
+from robocon_course.gridmap.grid import GridMap, inflate, inflate_square, put_boxes
 
-__all__ = ["GridMap", "inflate", "load_map", "save_map"]
+__all__ = ["GridMap", "inflate", "inflate_square", "load_map", "put_boxes", "save_map"]

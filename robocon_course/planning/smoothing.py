@@ -123,8 +123,8 @@ def relax(free, points, limit, sweeps):
 def smooth_path(
     grid: GridMap,
     xy: ArrayLike,
-    *,
     max_curvature: float,
+    *,
     clearance: float = 0.0,
     spacing: float = 0.05,
 ) -> FloatArray:

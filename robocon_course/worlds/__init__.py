@@ -6,6 +6,7 @@
 ``robot``    one student's robot, not quite as drawn
 ``swerve``   chapter 03: its modules, a log of them, and a wet floor
 ``wheels``   chapter 02: its dead wheels and the logs they recorded
+``ways``     chapter 04: the field with boxes of one's own
 ``drive``    drives of that robot in the simulator
 ===========  ====================================================
 """
@@ -33,6 +34,18 @@ from robocon_course.worlds.imu import (
 from robocon_course.worlds.robot import own_robot, own_wheels
 from robocon_course.worlds.student import Student, generator, student_number
 from robocon_course.worlds.swerve import SlipLog, SwerveWorld, slip_log, swerve_world
+from robocon_course.worlds.ways import (
+    HALF,
+    RAMP_TOP,
+    WaysWorld,
+    boxed_field,
+    driving_time,
+    strewn_boxes,
+    way_length,
+    ways_world,
+    widest_half,
+    wrong_lengths,
+)
 from robocon_course.worlds.wheels import (
     BITS,
     RUN,
@@ -52,8 +65,10 @@ __all__ = [
     "BITS",
     "DRIVES",
     "DT",
+    "HALF",
     "LEAN",
     "MATCH",
+    "RAMP_TOP",
     "RUN",
     "SPIN",
     "SQUARE",
@@ -65,9 +80,12 @@ __all__ = [
     "SlipLog",
     "Student",
     "SwerveWorld",
+    "WaysWorld",
     "WheelLog",
+    "boxed_field",
     "bumps",
     "drive_log",
+    "driving_time",
     "failures",
     "generator",
     "gyro_of",
@@ -83,7 +101,12 @@ __all__ = [
     "rough_drive_log",
     "simulated_drive",
     "slip_log",
+    "strewn_boxes",
     "student_number",
     "swerve_world",
+    "way_length",
+    "ways_world",
     "wheel_log",
+    "widest_half",
+    "wrong_lengths",
 ]
