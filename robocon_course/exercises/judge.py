@@ -236,6 +236,8 @@ def _took(cases: Sequence[Case], replies: Sequence[Reply]) -> str:
 def _alike(case: Case, reply: Reply, other: Reply) -> bool:
     if reply.error or other.error:
         return reply.error == other.error
+    if reply.value is None or other.value is None:
+        return reply.value is other.value
     if case.traits:
         try:
             return case.traits(reply.value) == case.traits(other.value)
@@ -265,7 +267,9 @@ def _judge_score(exercise: Exercise, cases: Sequence[Case], ask: Ask) -> Verdict
             except ValueError as refusal:  # the right form, but no such thing: a zero quaternion
                 sentence = str(refusal)
         if sentence:
-            return _failed(exercise, cases, replies, len(replies) - 1, sentence)
+            at = len(replies) - 1
+            replies += _ask_the_rest(cases[at + 1 :], ask, replies[-1])
+            return _failed(exercise, cases, replies, at, sentence)
     worst = max(errors, key=lambda e: math.inf if math.isnan(e) else e)
     share = exercise.score.share(worst)
     mistake = None if share == 1.0 else _recognise(exercise, cases, replies)

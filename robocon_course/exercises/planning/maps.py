@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from robocon_course.gridmap import GridMap
@@ -39,6 +41,16 @@ def some_ends(rng: np.random.Generator, grid: GridMap) -> tuple[np.ndarray, np.n
         row, col = rng.choice(np.argwhere(quarter)).tolist() if quarter.any() else (0, 0)
         ends.append(point_in(rng, grid, (row + at * rows * 3 // 4, col + at * cols * 3 // 4)))
     return ends[0], ends[1]
+
+
+def as_points(value: Any) -> np.ndarray | None:
+    """What came as finite points, shape (n, 2), or None if it is none."""
+    try:
+        points = np.asarray(value) if isinstance(value, np.ndarray | list) else np.zeros(0)
+    except ValueError:  # lists of unequal length
+        return None
+    right = points.ndim == 2 and points.shape[1] == 2 and len(points) and points.dtype.kind in "iuf"
+    return points if right and np.isfinite(points).all() else None
 
 
 def way_of(grid: GridMap, start: np.ndarray, goal: np.ndarray) -> Plan | None:

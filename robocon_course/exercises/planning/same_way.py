@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from robocon_course.answers.process import Reply
 from robocon_course.exercises.compare import difference
 from robocon_course.exercises.model import Case
-from robocon_course.exercises.planning.maps import way_of
+from robocon_course.exercises.planning.maps import as_points, way_of
 from robocon_course.gridmap import GridMap
 from robocon_course.planning import Plan, neighbours, octile_distance
 from robocon_course.planning.steps import ROOT_2
@@ -73,10 +73,9 @@ def _form(plan: Any) -> str | None:
     if type(plan) is not Plan:
         example = Plan(np.zeros((1, 2)), np.zeros((1, 2), np.int64), 0.0, 0)
         return difference(plan, example, CLOSE)
-    cells, xy = (np.asarray(part) for part in (plan.cells, plan.xy))
-    for name, part in (("cells", cells), ("xy", xy)):
-        if part.ndim != 2 or part.shape[1] != 2 or not len(part) or part.dtype.kind not in "iuf":
-            return f"{name}: expected an array of shape (n, 2)"
+    cells, xy = as_points(plan.cells), as_points(plan.xy)
+    if cells is None or xy is None:
+        return "cells and xy: expected two arrays of shape (n, 2)"
     if len(xy) != len(cells) or (cells != np.rint(cells)).any():
         return "cells and xy: expected whole numbers, and a point for each cell"
     return None

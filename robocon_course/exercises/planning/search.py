@@ -83,7 +83,11 @@ def plain_astar(
                 ((row + dr, col + dc), diagonal if dr and dc else 1.0)
                 for dr, dc in directions
                 if is_free(row + dr, col + dc)
-                and (corners or (is_free(row + dr, col) and is_free(row, col + dc)))
+                and (
+                    corners
+                    or not (dr and dc)
+                    or (is_free(row + dr, col) and is_free(row, col + dc))
+                )
             ]
 
         cost, came, done = {first: 0.0}, {first: first}, set()

@@ -11,7 +11,7 @@ from robocon_course import field, worlds
 from robocon_course.answers.process import Reply
 from robocon_course.exercises.compare import difference
 from robocon_course.exercises.model import Case, Exercise, Mistake, Score
-from robocon_course.exercises.planning.maps import way_of
+from robocon_course.exercises.planning.maps import as_points, way_of
 from robocon_course.gridmap import GridMap, inflate_square
 from robocon_course.planning import (
     NoPathError,
@@ -57,11 +57,9 @@ def _smooth_case(room: GridMap, xy: np.ndarray, best: float) -> Case:
 
 
 def _problem(value: Any, room: GridMap, xy: np.ndarray) -> str | None:
-    came = np.asarray(value if isinstance(value, np.ndarray | list) else np.nan)
-    if came.ndim != 2 or came.shape[1] != 2 or not len(came) or came.dtype.kind not in "iuf":
-        return "expected an array of points, shape (m, 2)"
-    if len(came) > LARGEST or not np.isfinite(came).all():
-        return f"expected at most {LARGEST} points, all of them finite"
+    came = as_points(value)
+    if came is None or len(came) > LARGEST:
+        return f"expected an array of finite points, shape (m, 2), with m up to {LARGEST}"
     for place, at in (("first", 0), ("last", -1)):
         if difference(came[at], xy[at], 1e-6):
             return f"the {place} point has to stay ({xy[at, 0]:.3f}, {xy[at, 1]:.3f}) m"
