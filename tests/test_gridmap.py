@@ -417,4 +417,11 @@ def test_save_map_refuses_other_kinds_of_files(tmp_path):
 
 
 def test_the_room_says_what_it_offers():
-    assert set(gridmap.__all__) == {"GridMap", "inflate", "load_map", "save_map"}
+    assert set(gridmap.__all__) == {
+        "GridMap",
+        "inflate",
+        "inflate_square",
+        "load_map",
+        "put_boxes",
+        "save_map",
+    }

@@ -2,7 +2,7 @@
 
 ``canvas`` holds the style and what shows a figure; ``plots``, ``motion`` and ``runs`` the plots
 of the chapters, ``field_picture`` the field with robots (``body``) and paths on it. ``comparison``
-is the picture of a wrong answer, ``pictures`` the three big drawings, ``widgets`` the sliders, and
+is the picture of a wrong answer, ``pictures`` the three big drawings, ``searching`` maps, ways and how a search went, ``widgets`` the sliders, and
 ``driving`` a robot under one's own hands.
 """
 
@@ -22,6 +22,7 @@ from robocon_course.view.plots import (
     plot_tilt_error,
 )
 from robocon_course.view.runs import plot_distribution
+from robocon_course.view.searching import animate_search, draw_ways
 from robocon_course.view.widgets import explore
 
 __all__ = [
@@ -29,10 +30,12 @@ __all__ = [
     "WHOLE_FIELD",
     "RobotPicture",
     "animate",
+    "animate_search",
     "draw_field",
     "draw_plan",
     "draw_robot",
     "draw_system",
+    "draw_ways",
     "drive",
     "explore",
     "figure",

@@ -144,6 +144,24 @@ def boxed_field(boxes: ArrayLike, resolution: float = COARSE) -> GridMap:
     return put_boxes(field.obstacle_map(resolution), boxes)
 
 
+def passable_field(rng: np.random.Generator) -> GridMap:
+    """The game field with other boxes each time, and always with a way for the robot.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    GridMap
+        In cells of 5 cm, not inflated.
+    """
+    while True:
+        grid = boxed_field(strewn_boxes(rng))
+        if way_length(inflate_square(grid, HALF)) < float("inf"):
+            return grid
+
+
 def way_length(
     room: GridMap,
     start: ArrayLike = field.START,

@@ -29,7 +29,7 @@ def _cases(student: Student, rng: np.random.Generator) -> list[Case]:
         cases.append(("a map of your own", grid, round(rng.uniform(1.1, 3.9) * grid.resolution, 3)))
     whole = some_grid(rng, 17, 20, 0.015)
     cases.append(("a half of exactly two cells", whole, 2 * whole.resolution))
-    cases.append(("the game field with boxes", worlds.boxed_field(worlds.strewn_boxes(rng)), 0.325))
+    cases.append(("the game field with boxes", worlds.passable_field(rng), 0.325))
     atol = {"free": 0.0, "resolution": 1e-12, "origin": 1e-12}
     return [Case(what, args, "", atol) for what, *args in ((w, g, h) for w, g, h in cases)]
 

@@ -165,8 +165,7 @@ def _cases(student: Student, rng: np.random.Generator) -> list[Case]:
         ),
     ]
     cases += [way_case("a map of your own", *trap(rng, wrong)) for wrong in WRONG.values()]
-    boxes = worlds.strewn_boxes(rng)
-    room = inflate_square(worlds.boxed_field(boxes), worlds.HALF)
+    room = inflate_square(worlds.passable_field(rng), worlds.HALF)
     ends = (np.array(field.START), np.array(field.AREA_3_GOAL))
     whole = "the game field with boxes"
     return [*cases, way_case(whole, room, *ends, timed="The way over the field")]

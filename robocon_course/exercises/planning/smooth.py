@@ -11,10 +11,11 @@ from robocon_course import field, worlds
 from robocon_course.answers.process import Reply
 from robocon_course.exercises.compare import difference
 from robocon_course.exercises.model import Case, Exercise, Mistake, Score
-from robocon_course.exercises.planning.maps import as_points, way_of
+from robocon_course.exercises.planning.maps import as_points
 from robocon_course.gridmap import GridMap, inflate_square
 from robocon_course.planning import (
     NoPathError,
+    astar,
     line_of_sight,
     resample_path,
     shorten_path,
@@ -33,11 +34,8 @@ LARGEST = 20_000  # points
 def _cases(student: Student, rng: np.random.Generator) -> list[Case]:
     cases: list[Case] = []
     while len(cases) < 3:
-        room = inflate_square(worlds.boxed_field(worlds.strewn_boxes(rng)), worlds.HALF)
-        plan = way_of(room, np.array(field.START), np.array(field.AREA_3_GOAL))
-        if plan is None:
-            continue
-        xy = shorten_path(room, plan.xy)
+        room = inflate_square(worlds.passable_field(rng), worlds.HALF)
+        xy = shorten_path(room, astar(room, field.START, field.AREA_3_GOAL).xy)
         try:
             best = worlds.driving_time(smooth_path(room, xy, LIMIT), LIMIT)
         except NoPathError:
