@@ -28,7 +28,7 @@ ZONES = ((5, 85, 560, 255), (5, 425, 560, 665), (335, 835, 560, 1160))
 """Corners of where boxes stand, in Areas 1, 2 and 3 [cm, map]."""
 KEPT_FREE = ((0, 400, 125, 530), (365, 640, 495, 850), (365, 935, 495, 1065))
 """Top of ramp 1, ramp 2 and the goal [cm, map]."""
-NUMBERS = (3, 4, 2)
+NUMBERS = (4, 6, 3)
 SIZES = (25, 75)  # cm
 NARROWEST, WIDEST = 0.36, 0.48
 """Half sides between which the narrowest passage lies [m]."""
@@ -80,7 +80,7 @@ def ways_world(student: Student) -> WaysWorld:
     -------
     WaysWorld
     """
-    rng = generator(student, "ways")
+    rng = generator(student, "own boxes")
     while True:
         boxes = strewn_boxes(rng)
         grid, fine = (boxed_field(boxes, cell) for cell in (COARSE, FINE))
@@ -257,7 +257,7 @@ def driving_time(xy: ArrayLike, max_curvature: float) -> float:
     Returns
     -------
     float  [s]
-        With at most 2 m/s, 2 m/s^2 along the way and 1.5 m/s^2 across it, on points 5 cm apart.
+        With at most 2 m/s, 2 m/s^2 along the way and 3 m/s^2 across it, on points 5 cm apart.
     """
     points = resample_path(xy, 0.05)
     tight = np.flatnonzero(np.abs(path_curvature(points)) > 1.25 * max_curvature)
@@ -269,4 +269,4 @@ def _leg_time(points: FloatArray) -> float:
     """Time for a leg from rest to rest."""
     if len(points) == 2:  # between two stops it needs a point to be fast at
         points = np.array([points[0], points.mean(axis=0), points[1]])
-    return float(profile_times(points, speed_profile(points, 2.0, 2.0, 1.5))[-1])
+    return float(profile_times(points, speed_profile(points, 2.0, 2.0, 3.0))[-1])

@@ -26,7 +26,7 @@ from robocon_course.worlds import Student
 
 LIMIT = 5.0
 """One over the smallest radius [1/m]."""
-WORTH = 1.08
+WORTH = 1.12
 """So many times as long as the course's own way takes the way as it comes."""
 LARGEST = 20_000  # points
 
@@ -68,7 +68,7 @@ def _problem(value: Any, room: GridMap, xy: np.ndarray) -> str | None:
 
 
 def _slower(case: Case, value: Any) -> float:
-    """How much longer the robot takes than on the course's own way [%]."""
+    """How much more time the robot takes than on the course's own way [%]."""
     return 100.0 * (worlds.driving_time(value, LIMIT) / case.truth - 1.0)
 
 
@@ -103,7 +103,7 @@ SMOOTH_PATH = Exercise(
     shortcuts=("robocon_course.planning.smoothing.relax",),
     cases=_cases,
     time_limit=60.0,
-    score=Score(_slower, "% slower than the course's own way", ((3.0, 1.0), (6.0, 0.5))),
+    score=Score(_slower, "% more time than the course's own way", ((4.0, 1.0), (10.0, 0.5))),
     hints=(
         "First put points on the legs, 5 cm apart, and keep the corners. Then look where "
         "planning.path_curvature is above the limit.",
