@@ -185,7 +185,9 @@ def _as_cells(cells: ArrayLike) -> NDArray[np.int64]:
     if not len(numbers):
         raise ValueError("cells: a way has at least one cell, got none")
     if (numbers != np.rint(numbers)).any():
-        raise ValueError("cells: expected whole numbers (row, col), got fractions; are these metres?")
+        raise ValueError(
+            "cells: expected whole numbers (row, col), got fractions; are these metres?"
+        )
     return numbers.astype(np.int64)
 
 

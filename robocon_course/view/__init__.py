@@ -2,8 +2,8 @@
 
 ``canvas`` holds the style and what shows a figure; ``plots``, ``motion`` and ``runs`` the plots
 of the chapters, ``field_picture`` the field with robots (``body``) and paths on it. ``comparison``
-is the picture of a wrong answer, ``pictures`` the three big drawings, ``searching`` maps, ways and how a search went, ``widgets`` the sliders, and
-``driving`` a robot under one's own hands.
+is the picture of a wrong answer, ``pictures`` the three big drawings, ``searching`` maps, ways and
+how a search went, ``widgets`` the sliders, and ``driving`` a robot under one's own hands.
 """
 
 from robocon_course.view.animation import animate

@@ -185,9 +185,7 @@ def _order_at(
     return order[(row + 1).clip(0, high + 1)[:, None], (col + 1).clip(0, wide + 1)]
 
 
-def _labelled(
-    picture: NDArray[np.uint8], inside: tuple[slice, slice], words: str
-) -> Image.Image:
+def _labelled(picture: NDArray[np.uint8], inside: tuple[slice, slice], words: str) -> Image.Image:
     image = Image.fromarray(picture)
     corner = (inside[1].stop - 2, inside[0].start - 6)
     ImageDraw.Draw(image).text(corner, words, anchor="rd", fill=TRUTH, font=font(14))

@@ -260,6 +260,8 @@ def driving_time(xy: ArrayLike, max_curvature: float) -> float:
         With at most 2 m/s, 2 m/s^2 along the way and 3 m/s^2 across it, on points 5 cm apart.
     """
     points = resample_path(xy, 0.05)
+    if len(points) < 2:
+        return 0.0
     tight = np.flatnonzero(np.abs(path_curvature(points)) > 1.25 * max_curvature)
     stops = [0, *tight.tolist(), len(points) - 1]
     return sum(_leg_time(points[a : b + 1]) for a, b in pairwise(stops) if a < b)

@@ -13,7 +13,7 @@ from robocon_course.exercises.planning.maps import drawn_grid, some_grid
 from robocon_course.gridmap import GridMap, inflate, inflate_square
 from robocon_course.worlds import Student
 
-LONE = "........... ........... ........... ...#....... ........... ........... ........... ..........."
+LONE = "......... ......... ......... ...#..... ......... ......... ......... ........."
 WALL = "............ ............ ............ ............ #####....... ............ ............"
 
 

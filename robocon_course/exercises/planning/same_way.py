@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -91,7 +92,7 @@ def _ends(plan: Plan, best: Plan) -> str | None:
 
 def _steps(plan: Plan, grid: GridMap) -> str | None:
     cells = [tuple(cell) for cell in np.asarray(plan.cells).astype(int).tolist()]
-    for here, to in zip(cells[:-1], cells[1:], strict=True):
+    for here, to in pairwise(cells):
         if to in (step for step, _ in neighbours(grid, here)):
             continue
         if max(abs(to[0] - here[0]), abs(to[1] - here[1])) != 1:

@@ -215,7 +215,7 @@ ASTAR = Exercise(
         ),
         Mistake(
             "diagonal for one",
-            "A diagonal step counts like a straight one here, so zigzags cost nothing. It costs √2.",
+            "A diagonal step counts like a straight one here: zigzags cost nothing. It costs √2.",
             WRONG["diagonal"],
         ),
         Mistake(

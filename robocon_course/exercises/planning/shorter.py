@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
@@ -173,7 +174,7 @@ def short_case(what: str, grid: GridMap, xy: np.ndarray) -> Case:
         for place, at in (("first", 0), ("last", -1)):
             if difference(came[at], xy[at], 1e-9):
                 return f"the {place} point has to stay ({xy[at, 0]:.3f}, {xy[at, 1]:.3f}) m"
-        for one, other in zip(came[:-1], came[1:], strict=True):
+        for one, other in pairwise(came):
             if not line_of_sight(grid, one, other):
                 ends = "({:.2f}, {:.2f}) to ({:.2f}, {:.2f})".format(*one, *other)
                 return f"the leg from {ends} m touches cells that are not free"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,7 @@ def _problem(value: Any, room: GridMap, xy: np.ndarray) -> str | None:
     for place, at in (("first", 0), ("last", -1)):
         if difference(came[at], xy[at], 1e-6):
             return f"the {place} point has to stay ({xy[at, 0]:.3f}, {xy[at, 1]:.3f}) m"
-    for one, other in zip(came[:-1], came[1:], strict=True):
+    for one, other in pairwise(came):
         if not line_of_sight(room, one, other):
             return "the way leaves the free cells near ({:.2f}, {:.2f}) m".format(*one)
     return None
@@ -103,14 +104,15 @@ SMOOTH_PATH = Exercise(
     shortcuts=("robocon_course.planning.smoothing.relax",),
     cases=_cases,
     time_limit=60.0,
-    score=Score(_slower, "% more time than the course's own way", ((4.0, 1.0), (10.0, 0.5))),
+    score=Score(_slower, "% more time than the course's own way", ((6.0, 1.0), (10.0, 0.5))),
     hints=(
         "First put points on the legs, 5 cm apart, and keep the corners. Then look where "
         "planning.path_curvature is above the limit.",
         "There push the point inwards, along p[i-1] - 2 p[i] + p[i+1], and its neighbours half as "
         "much outwards. Move a point only if both neighbours still see it.",
-        "push = (p[i-1] - 2 * p[i] + p[i+1]) * (1 - 0.9 * max_curvature / bend[i]) / 4; move i by "
-        "2 * push and i ± 1 by -push; again and again, until nothing bends too much.",
+        "push = (p[i-1] - 2 * p[i] + p[i+1]) * (1 - 0.95 * max_curvature / bend) / 4, with the bend "
+        "that point i has now; move i by 2 * push and i ± 1 by -push; again and again, until "
+        "nothing bends too much.",
     ),
     mistakes=(
         Mistake(
@@ -167,5 +169,5 @@ SMOOTH_PATH = Exercise(
 
 def _dense(xy: np.ndarray) -> np.ndarray:
     """Points on the legs, the corners kept."""
-    legs = [resample_path(leg, 0.05)[:-1] for leg in zip(xy[:-1], xy[1:], strict=True)]
+    legs = [resample_path(leg, 0.05)[:-1] for leg in pairwise(xy)]
     return np.vstack([*legs, xy[-1:]])

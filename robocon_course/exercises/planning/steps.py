@@ -47,7 +47,7 @@ OCTILE_DISTANCE = Exercise(
     cases=_octile_cases,
     time_limit=2.0,
     hints=(
-        "Go diagonally until you are level with the goal, then straight on. How many steps of each?",
+        "Go diagonally until you are level with the goal, then straight on. How many of each?",
         "With a and b rows and columns: min(a, b) diagonal steps, and max(a, b) − min(a, b) "
         "straight ones.",
         "max(a, b) + (math.sqrt(2) - 1) * min(a, b), with a = abs(goal[0] - cell[0]) and b for "
