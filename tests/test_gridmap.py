@@ -14,8 +14,15 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from PIL import Image
 
-from robocon_course import gridmap
-from robocon_course.gridmap import GridMap, inflate, load_map, load_scenarios, save_map
+from robocon_course.gridmap import (
+    GridMap,
+    inflate,
+    inflate_square,
+    load_map,
+    load_scenarios,
+    put_boxes,
+    save_map,
+)
 
 bitmaps = arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, max_side=12))
 resolutions = st.sampled_from([0.01, 0.05, 0.1, 0.3, 1.0, 7.0])
@@ -589,6 +596,78 @@ def test_pairs_that_are_not_there_are_named(tmp_path):
         load_scenarios(tmp_path / "hall.scen", GridMap(np.ones((1, 1), dtype=bool), 1.0))
 
 
-def test_the_room_says_what_it_offers():
-    names = {"GridMap", "Scenario", "inflate", "load_map", "load_scenarios", "save_map"}
-    assert set(gridmap.__all__) == names
+# --- room for a square, boxes -----------------------------------------------------------------
+
+
+def naive_square(grid: GridMap, half: float) -> np.ndarray:
+    """Room by its definition: corners of every pair of cells, x and y each for itself."""
+    rows, cols = grid.shape
+    free = np.zeros(grid.shape, dtype=bool)
+    blocked = [(r, c) for r in range(-1, rows + 1) for c in range(-1, cols + 1)]
+    blocked = [
+        (r, c) for r, c in blocked if not (0 <= r < rows and 0 <= c < cols) or not grid.free[r, c]
+    ]
+    for row, col in np.ndindex(rows, cols):
+        gaps = [max(abs(r - row), abs(c - col)) - 1 for r, c in blocked]
+        free[row, col] = min(gaps) * grid.resolution >= half - 1e-9 and grid.free[row, col]
+    return free
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    arrays(bool, array_shapes(min_dims=2, max_dims=2, max_side=9)),
+    st.sampled_from([0.0, 0.05, 0.1, 0.11, 0.2, 0.325, 5.0]),
+)
+def test_room_for_a_square_agrees_with_its_definition(free, half):
+    grid = GridMap(free, 0.1, (-1.0, 2.0))
+    room = inflate_square(grid, half)
+    np.testing.assert_array_equal(room.free, naive_square(grid, half))
+    assert (room.resolution, room.origin) == (0.1, (-1.0, 2.0))
+
+
+def test_one_obstacle_blocks_a_square_of_cells():
+    free = np.ones((15, 15), dtype=bool)
+    free[7, 6] = False
+    room = inflate_square(GridMap(free, 0.05), 0.12)  # 2.4 cells
+    assert not room.free[4:11, 3:10].any()
+    assert room.free[11, 3:12].all() and room.free[3:12, 10].all()
+
+
+def test_a_square_that_a_disc_has_room_for_hits_the_corner():
+    box = GridMap(np.ones((200, 200), dtype=bool), 0.01)
+    box = put_boxes(box, [(0.0, 0.0, 1.0, 1.0)])
+    middle = np.array([1.0, 1.0]) + 0.34 / np.sqrt(2.0)
+    assert inflate(box, 0.325).is_free(middle)
+    assert (middle - 0.325 < 1.0).all(), "the body's corner stands in the box"
+    assert not inflate_square(box, 0.325).is_free(middle)
+    assert not (inflate_square(box, 0.325).free & ~inflate(box, 0.325).free).any()
+
+
+@pytest.mark.parametrize("half", [-0.1, np.nan, np.inf, "wide"])
+def test_a_half_side_that_is_none_is_refused(half):
+    with pytest.raises(ValueError, match="half:"):
+        inflate_square(GridMap(np.ones((3, 3), dtype=bool), 1.0), half)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(
+        st.tuples(*[st.integers(-30, 80)] * 2, *[st.integers(1, 30)] * 2), min_size=0, max_size=4
+    )
+)
+def test_a_box_blocks_the_cells_that_it_overlaps_and_no_others(boxes):
+    grid = GridMap(np.ones((12, 15), dtype=bool), 0.05, (-0.1, 0.2))
+    corners = [(x / 100, y / 100, (x + w) / 100, (y + h) / 100) for x, y, w, h in boxes]
+    free = put_boxes(grid, np.reshape(corners, (-1, 4))).free
+    for row, col in np.ndindex(grid.shape):
+        x, y = -10 + 5 * col, 20 + 5 * row  # of the cell's lower left corner [cm]
+        hit = any(bx < x + 5 and x < bx + w and by < y + 5 and y < by + h for bx, by, w, h in boxes)
+        assert free[row, col] == (not hit)
+
+
+def test_boxes_that_are_none_are_refused():
+    grid = GridMap(np.ones((3, 3), dtype=bool), 1.0)
+    with pytest.raises(ValueError, match="boxes: expected corners"):
+        put_boxes(grid, [(1.0, 0.0, 0.0, 1.0)])
+    with pytest.raises(ValueError, match="boxes: expected shape"):
+        put_boxes(grid, [1.0, 2.0])

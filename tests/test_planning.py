@@ -23,8 +23,11 @@ from robocon_course.planning import (
     line_of_sight,
     moves,
     nearest_free,
+    neighbours,
+    octile_distance,
     path_curvature,
     path_length,
+    plan_through,
     resample_path,
     search,
     shorten_path,
@@ -755,3 +758,79 @@ def test_resampled_points_lie_on_the_way_evenly_spread(xy, spacing):
 def test_a_spacing_that_is_not_positive_is_refused(function):
     with pytest.raises(ValueError, match="spacing: must be positive"):
         function([[0.0, 0.0], [1.0, 0.0]], 0.0)
+
+
+# --- one cell and its steps -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("goal", "cells"),
+    [((0, 0), 0.0), ((0, 7), 7.0), ((-5, 0), 5.0), ((4, 4), 4 * ROOT2), ((3, -4), 1 + 3 * ROOT2)],
+)
+def test_octile_distance_counts_diagonal_steps_first(goal, cells):
+    assert octile_distance((0, 0), goal) == pytest.approx(cells, abs=1e-12)
+    assert octile_distance(goal, (0, 0)) == octile_distance((0, 0), goal)
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(0, 11), st.integers(0, 8))
+def test_octile_distance_is_the_length_of_the_way_on_an_empty_map(row, col):
+    grid = GridMap(np.ones((12, 9), dtype=bool), 1.0)
+    plan = astar(grid, grid.centres((2, 3)), grid.centres((row, col)))
+    assert octile_distance((2, 3), (row, col)) == pytest.approx(plan.length)
+
+
+def naive_steps(free: np.ndarray, row: int, col: int, cut: bool) -> dict:
+    """Open steps by the rule, cell by cell."""
+    found = {}
+    for dr in (-1, 0, 1):
+        for dc in (-1, 0, 1):
+            r, c = row + dr, col + dc
+            if (dr, dc) == (0, 0) or not (0 <= r < free.shape[0] and 0 <= c < free.shape[1]):
+                continue
+            if free[r, c] and (cut or not (dr and dc) or (free[r, col] and free[row, c])):
+                found[r, c] = ROOT2 if dr and dc else 1.0
+    return found
+
+
+@settings(deadline=None, max_examples=80)
+@given(arrays(bool, array_shapes(min_dims=2, max_dims=2, max_side=6)), st.data(), st.booleans())
+def test_neighbours_are_the_cells_that_the_rule_allows(free, data, cut):
+    row, col = (data.draw(st.integers(0, n - 1)) for n in free.shape)
+    steps = neighbours(GridMap(free, 0.3), (row, col), cut_corners=cut)
+    assert dict(steps) == naive_steps(free, row, col, cut)
+    assert len(steps) == len(dict(steps))
+
+
+@pytest.mark.parametrize("cell", [(-1, 0), (0, 3), (2, 0), (0.5, 0), (0, 0, 0), "here"])
+def test_neighbours_of_no_cell_are_refused(cell):
+    with pytest.raises(ValueError, match="cell:"):
+        neighbours(GridMap(np.ones((2, 3), dtype=bool), 1.0), cell)
+    if cell not in ((-1, 0), (0, 3), (2, 0)):
+        with pytest.raises(ValueError, match="goal:"):
+            octile_distance((0, 0), cell)
+
+
+def test_a_plan_through_a_list_of_cells_knows_its_points_and_its_length():
+    grid = GridMap(np.ones((5, 5), dtype=bool), 0.2, (1.0, -1.0))
+    plan = plan_through(grid, [(0, 0), (1, 1), (1, 2), (0, 3)], 17)
+    assert plan.length == pytest.approx(0.2 * (1 + 2 * ROOT2))
+    np.testing.assert_allclose(plan.xy, [[1.1, -0.9], [1.3, -0.7], [1.5, -0.7], [1.7, -0.9]])
+    assert (plan.expanded, plan.cells.dtype) == (17, np.int64)
+    alone = plan_through(grid, [(2, 2)], 0)
+    assert alone.length == 0.0 and alone.xy.shape == (1, 2)
+
+
+@pytest.mark.parametrize(
+    ("cells", "sentence"),
+    [
+        ([], "cells: "),
+        ([(0, 0), (0, 2)], r"from \[0, 0\] to \[0, 2\] is no step"),
+        ([(0, 0), (0, 0)], "is no step"),
+        ([(0.5, 0.5)], "are these metres"),
+        ([(0, 0, 0)], "cells: expected shape"),
+    ],
+)
+def test_cells_that_are_no_way_are_refused(cells, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        plan_through(GridMap(np.ones((3, 3), dtype=bool), 1.0), cells, 1)

@@ -8,7 +8,7 @@
 """
 
 from robocon_course.gridmap.files import load_map, save_map
-from robocon_course.gridmap.grid import GridMap, inflate, inflate_square
+from robocon_course.gridmap.grid import GridMap, inflate, inflate_square, put_boxes
 from robocon_course.gridmap.octile import Scenario, load_scenarios
 
 __all__ = [
@@ -18,5 +18,6 @@ __all__ = [
     "inflate_square",
     "load_map",
     "load_scenarios",
+    "put_boxes",
     "save_map",
 ]
