@@ -8,11 +8,13 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from math import hypot, inf, nan, pi
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
 
-from robocon_course import autopilot, field, worlds
+from conftest import ROOT
+from robocon_course import autopilot, field, lessons, worlds
 from robocon_course.autopilot import (
     DriveLimits,
     Following,
@@ -26,6 +28,10 @@ from robocon_course.autopilot import (
     reckon,
     room_for_body,
 )
+from robocon_course.exercises import registry, robot_parts
+from robocon_course.exercises.model import Exercise
+from robocon_course.exercises.source import assemble, from_cells
+from robocon_course.exercises.workspace import Workspace
 from robocon_course.geometry import distance_along
 from robocon_course.gridmap import GridMap
 from robocon_course.planning import NoPathError, line_of_sight
@@ -356,3 +362,33 @@ def test_a_goal_before_area_3_needs_no_lidar():
 def test_a_drive_that_makes_no_sense_is_refused(options, sentence):
     with pytest.raises(ValueError, match=sentence):
         worlds.field_drive(1, **options)
+
+
+# --- on a student's own parts ----------------------------------------------------------------
+
+
+@cache
+def solved_parts() -> Parts:
+    """The parts that a student has who solved every lesson as its solution does, plain Python."""
+    with TemporaryDirectory() as folder:
+        workspace = Workspace(folder)
+        for about in registry.chapters():
+            source = lessons.read_source(ROOT / "solutions" / f"{about.name}.py")
+            cells = [cell.source for cell in source.cells if cell.cell_type == "code"]
+            for exercise in about.exercises:
+                if isinstance(exercise, Exercise):
+                    answer = assemble(exercise.function_name, from_cells(cells))
+                    workspace.accept(exercise.id, answer.text)
+        return robot_parts("mine", workspace=workspace)
+
+
+def test_on_parts_that_are_all_a_students_own_the_robot_arrives_in_area_3():
+    parts = solved_parts()
+    assert parts.label == "mine" and parts.astar.__module__ != PARTS.astar.__module__
+    check_drive(worlds.field_drive(1, parts))
+
+
+@pytest.mark.campaign
+def test_a_hundred_robots_arrive_on_a_students_own_parts(whole):
+    for seed in range(1, 101 if whole else 3):
+        check_drive(worlds.field_drive(seed, solved_parts()))
