@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import struct
 import warnings
+import zlib
 from math import hypot, inf, nan
 
 import numpy as np
@@ -12,8 +14,15 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from PIL import Image
 
-from robocon_course import gridmap
-from robocon_course.gridmap import GridMap, inflate, load_map, save_map
+from robocon_course.gridmap import (
+    GridMap,
+    inflate,
+    inflate_square,
+    load_map,
+    load_scenarios,
+    put_boxes,
+    save_map,
+)
 
 bitmaps = arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, max_side=12))
 resolutions = st.sampled_from([0.01, 0.05, 0.1, 0.3, 1.0, 7.0])
@@ -416,5 +425,249 @@ def test_save_map_refuses_other_kinds_of_files(tmp_path):
         save_map(grid, tmp_path / "nowhere" / "hall.yaml")
 
 
-def test_the_room_says_what_it_offers():
-    assert set(gridmap.__all__) == {"GridMap", "inflate", "load_map", "save_map"}
+def chunk(kind: bytes, body: bytes) -> bytes:
+    """A part of a PNG file."""
+    return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+
+def test_grey_with_alpha_in_16_bits_each_is_read(tmp_path):
+    pixels = [(65535, 65535), (65535, 0), (0, 65535)]  # white opaque, white transparent, black
+    row = b"\0" + b"".join(struct.pack(">HH", *pixel) for pixel in pixels)
+    png = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 3, 1, 16, 4, 0, 0, 0))
+    path = written(tmp_path, [[0]])
+    (tmp_path / "map.png").write_bytes(
+        png + chunk(b"IDAT", zlib.compress(row)) + chunk(b"IEND", b"")
+    )
+    assert load_map(path).free.tolist() == [[True, False, False]]  # mean of four 191 is 0.25
+
+
+@pytest.mark.parametrize(
+    ("content", "free"),
+    [
+        (b"P5\n# CREATOR: map_saver 0.050 m/pix\n3 1\n255\n\xfe\xcd\x00", [True, False, False]),
+        (b"P5\n#one\n#two\n3 # columns\n1\n# white\n255\n\xfe\xcd\x00", [True, False, False]),
+        (b"P5 3 1 255 \xfe\xcd\x00", [True, False, False]),
+        (b"P2\n3 1\n# white is 100\n100\n100 81\n0\n", [True, True, False]),  # p = 0.19
+        (b"P2\r\n3 1\r\n100\r\n100 80\r\n0\r\n", [True, False, False]),  # p = 0.2
+        (b"P5\n3 1\n65535\n\xff\xff\xcc\xcc\x00\x00", [True, False, False]),  # p = 0.2
+        (b"P2\n3 1\n1000\n1000 810 800\n", [True, True, False]),
+        (b"P1\n3 1\n0 1 0\n", [True, False, True]),  # 1 is black
+        (b"P4\n3 1\n\x40", [True, False, True]),
+    ],
+    ids=lambda value: value[:2].decode() if isinstance(value, bytes) else "",
+)
+def test_every_kind_of_pgm_is_read_with_its_comments_and_its_white(tmp_path, content, free):
+    path = written(tmp_path, [[0]], image="map.pgm")
+    (tmp_path / "map.pgm").write_bytes(content)
+    assert load_map(path).free.tolist() == [free]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-8"])
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_a_map_file_written_on_windows_is_read(tmp_path, encoding, end):
+    path = written(tmp_path, [[255, 0]])
+    text = path.read_text(encoding="utf-8") + "\nmode: Trinary\nmade: in der Küche\n"
+    path.write_bytes(text.replace("\n", end).encode(encoding))
+    assert load_map(path).free.tolist() == [[True, False]]
+
+
+def test_an_image_named_as_on_windows_is_found_beside_the_map_file(tmp_path):
+    (tmp_path / "images").mkdir()
+    path = written(tmp_path, [[255, 0]])
+    (tmp_path / "map.png").rename(tmp_path / "images" / "map.png")
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("map.png", ".\\images\\map.png"), encoding="utf-8")
+    assert load_map(path).free.tolist() == [[True, False]]
+    path.write_text(text.replace("map.png", "C:\\maps\\map.png"), encoding="utf-8")
+    with pytest.raises(FileNotFoundError, match="lay the image beside the map file"):
+        load_map(path)
+
+
+@pytest.mark.parametrize(
+    ("word", "metres"),
+    [("0.05", 0.05), (".05", 0.05), ("5.0e-2", 0.05), ("5E-2", 0.05), ("+0.05", 0.05), ("1", 1.0),
+     ("0.050000 # metres", 0.05), ("'0.05'", 0.05)],
+)  # fmt: skip
+def test_numbers_are_read_however_they_are_written(tmp_path, word, metres):
+    grid = load_map(written(tmp_path, [[255]], resolution=word, origin="\n- -1e1\n- -0\n- -0.0"))
+    assert grid.resolution == metres and grid.origin == (-10.0, 0.0)
+
+
+def test_a_text_that_is_no_yaml_is_refused_with_the_line(tmp_path):
+    path = tmp_path / "map.yaml"
+    path.write_text('resolution: 0.1\nimage: "C:\\maps\\hall.pgm"\n', encoding="utf-8")
+    with pytest.raises(ValueError, match=r"map\.yaml: is no YAML text \(line 2: .*escape"):
+        load_map(path)
+
+
+def test_an_image_larger_than_memory_may_be_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 9)
+    with pytest.raises(ValueError, match=r"map\.png: is too large for a map"):
+        load_map(written(tmp_path, np.zeros((5, 5))))
+
+
+# --- benchmark maps ---------------------------------------------------------------------------
+
+LETTERS = "type octile\nheight 2\nwidth 4\nmap\n.GS@\nOTW.\n"
+PAIRS = "version 1\n0\tthis.map\t4\t2\t0\t0\t2\t0\t2\n7\tmaps/a b.map 4 2 1 0 1 0 0.0\n"
+
+
+def text_file(path, text: str, end: str = "\n"):
+    """A file with these lines."""
+    path.write_bytes(text.replace("\n", end).encode("utf-8"))
+    return path
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("text", [LETTERS, LETTERS[:-1], LETTERS + "\n \n", "\ufeff" + LETTERS])
+def test_a_benchmark_map_is_read_its_first_line_being_the_largest_y(tmp_path, text, end):
+    grid = load_map(text_file(tmp_path / "this.map", text, end))
+    assert grid.free.tolist() == [[False, False, False, True], [True, True, True, False]]
+    assert (grid.resolution, grid.origin) == (1.0, (0.0, 0.0))
+
+
+def test_a_header_in_another_order_or_with_more_blanks_is_read(tmp_path):
+    text = LETTERS.replace("height 2\nwidth 4", "width  4 \nheight\t2")
+    assert load_map(text_file(tmp_path / "THIS.MAP", text)).shape == (2, 4)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("type octile", "type tile", "its first lines must be 'type octile'"),
+        ("map\n", "", "its first lines must be 'type octile'"),
+        ("height 2", "height two", "height must be a positive whole number, got 'two'"),
+        ("width 4", "width 0", "width must be a positive whole number, got '0'"),
+        ("width 4", "depth 4", "width must be a positive whole number, got ''"),
+        ("OTW.\n", "", "holds 1 rows, but says height 2; is it whole"),
+        ("OTW.", "OTW", "line 6 holds 3 cells, but the file says width 4"),
+        (".GS@", "", "line 5 holds 0 cells"),
+        ("OTW.", "OTW#", "'#' is no letter for a cell"),
+        ("OTW.", "OTWé", "'é' is no letter for a cell"),
+    ],
+)
+def test_a_benchmark_map_that_is_broken_is_refused_with_what_is_wrong(tmp_path, old, new, sentence):
+    path = text_file(tmp_path / "this.map", LETTERS.replace(old, new))
+    with pytest.raises(ValueError, match=f"this.map: .*{sentence}"):
+        load_map(path)
+
+
+@pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00", b"\x89PNG"])
+def test_what_is_no_text_is_no_benchmark_map(tmp_path, content):
+    (tmp_path / "this.map").write_bytes(content)
+    with pytest.raises(ValueError, match=r"this\.map: is no"):
+        load_map(tmp_path / "this.map")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize("version", ["version 1", "version 1.0", "version 1 "])
+def test_pairs_are_points_in_metres_with_the_length_of_the_way(tmp_path, end, version):
+    path = text_file(tmp_path / "this.scen", PAIRS.replace("version 1", version), end)
+    plain = load_map(text_file(tmp_path / "this.map", LETTERS))
+    first, second = load_scenarios(path, plain)
+    assert first == ((0.5, 1.5), (2.5, 1.5), 2.0)
+    assert second.start == second.goal == (1.5, 1.5) and second.length == 0.0
+    there = GridMap(plain.free, 0.05, (-1.0, 7.0))
+    start, goal, length = load_scenarios(path, there)[0]
+    assert (*start, *goal, length) == pytest.approx((-0.975, 7.075, -0.875, 7.075, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("version 1", "0\tthis.map", "must begin with a line 'version 1'"),
+        ("\t4\t2\t0", "\t4\t3\t0", "line 2 belongs to a map of 3 x 4 cells, .* has 2 x 4"),
+        ("4 2 1 0 1 0 0.0", "4 2 1 0 1 2 0.0", "line 3 names a cell outside the map"),
+        ("4 2 1 0 1 0 0.0", "4 2 1 0 1 -1 0.0", "line 3 names a cell outside the map"),
+        ("4 2 1 0 1 0 0.0", "4 2 1 0 0.0", "line 3 is no pair of points"),
+        ("0.0", "nan", "line 3 is no pair of points"),
+        ("0.0", "far", "line 3 is no pair of points"),
+    ],
+)
+def test_pairs_that_make_no_sense_are_refused_with_their_line(tmp_path, old, new, sentence):
+    path = text_file(tmp_path / "this.scen", PAIRS.replace(old, new))
+    grid = load_map(text_file(tmp_path / "this.map", LETTERS))
+    with pytest.raises(ValueError, match=f"this.scen: {sentence}"):
+        load_scenarios(path, grid)
+
+
+def test_pairs_that_are_not_there_are_named(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"no file .*hall\.scen"):
+        load_scenarios(tmp_path / "hall.scen", GridMap(np.ones((1, 1), dtype=bool), 1.0))
+
+
+# --- room for a square, boxes -----------------------------------------------------------------
+
+
+def naive_square(grid: GridMap, half: float) -> np.ndarray:
+    """Room by its definition: corners of every pair of cells, x and y each for itself."""
+    rows, cols = grid.shape
+    free = np.zeros(grid.shape, dtype=bool)
+    blocked = [(r, c) for r in range(-1, rows + 1) for c in range(-1, cols + 1)]
+    blocked = [
+        (r, c) for r, c in blocked if not (0 <= r < rows and 0 <= c < cols) or not grid.free[r, c]
+    ]
+    for row, col in np.ndindex(rows, cols):
+        gaps = [max(abs(r - row), abs(c - col)) - 1 for r, c in blocked]
+        free[row, col] = min(gaps) * grid.resolution >= half - 1e-9 and grid.free[row, col]
+    return free
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    arrays(bool, array_shapes(min_dims=2, max_dims=2, max_side=9)),
+    st.sampled_from([0.0, 0.05, 0.1, 0.11, 0.2, 0.325, 5.0]),
+)
+def test_room_for_a_square_agrees_with_its_definition(free, half):
+    grid = GridMap(free, 0.1, (-1.0, 2.0))
+    room = inflate_square(grid, half)
+    np.testing.assert_array_equal(room.free, naive_square(grid, half))
+    assert (room.resolution, room.origin) == (0.1, (-1.0, 2.0))
+
+
+def test_one_obstacle_blocks_a_square_of_cells():
+    free = np.ones((15, 15), dtype=bool)
+    free[7, 6] = False
+    room = inflate_square(GridMap(free, 0.05), 0.12)  # 2.4 cells
+    assert not room.free[4:11, 3:10].any()
+    assert room.free[11, 3:12].all() and room.free[3:12, 10].all()
+
+
+def test_a_square_that_a_disc_has_room_for_hits_the_corner():
+    box = GridMap(np.ones((200, 200), dtype=bool), 0.01)
+    box = put_boxes(box, [(0.0, 0.0, 1.0, 1.0)])
+    middle = np.array([1.0, 1.0]) + 0.34 / np.sqrt(2.0)
+    assert inflate(box, 0.325).is_free(middle)
+    assert (middle - 0.325 < 1.0).all(), "the body's corner stands in the box"
+    assert not inflate_square(box, 0.325).is_free(middle)
+    assert not (inflate_square(box, 0.325).free & ~inflate(box, 0.325).free).any()
+
+
+@pytest.mark.parametrize("half", [-0.1, np.nan, np.inf, "wide"])
+def test_a_half_side_that_is_none_is_refused(half):
+    with pytest.raises(ValueError, match="half:"):
+        inflate_square(GridMap(np.ones((3, 3), dtype=bool), 1.0), half)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(
+        st.tuples(*[st.integers(-30, 80)] * 2, *[st.integers(1, 30)] * 2), min_size=0, max_size=4
+    )
+)
+def test_a_box_blocks_the_cells_that_it_overlaps_and_no_others(boxes):
+    grid = GridMap(np.ones((12, 15), dtype=bool), 0.05, (-0.1, 0.2))
+    corners = [(x / 100, y / 100, (x + w) / 100, (y + h) / 100) for x, y, w, h in boxes]
+    free = put_boxes(grid, np.reshape(corners, (-1, 4))).free
+    for row, col in np.ndindex(grid.shape):
+        x, y = -10 + 5 * col, 20 + 5 * row  # of the cell's lower left corner [cm]
+        hit = any(bx < x + 5 and x < bx + w and by < y + 5 and y < by + h for bx, by, w, h in boxes)
+        assert free[row, col] == (not hit)
+
+
+def test_boxes_that_are_none_are_refused():
+    grid = GridMap(np.ones((3, 3), dtype=bool), 1.0)
+    with pytest.raises(ValueError, match="boxes: expected corners"):
+        put_boxes(grid, [(1.0, 0.0, 0.0, 1.0)])
+    with pytest.raises(ValueError, match="boxes: expected shape"):
+        put_boxes(grid, [1.0, 2.0])

@@ -21,9 +21,13 @@ from robocon_course.planning import (
     anytime_astar,
     astar,
     line_of_sight,
+    moves,
     nearest_free,
+    neighbours,
+    octile_distance,
     path_curvature,
     path_length,
+    plan_through,
     resample_path,
     search,
     shorten_path,
@@ -78,6 +82,14 @@ def assert_is_a_way(plan, grid: GridMap, cut_corners: bool = False) -> None:
     assert plan.length == pytest.approx(path_length(plan.xy), abs=1e-9)
 
 
+def serpentine(side: int) -> np.ndarray:
+    """A corridor to and fro, one cell wide: the longest way there can be."""
+    free = np.ones((side, side), dtype=bool)
+    free[1::2] = False
+    free[1::4, 0] = free[3::4, -1] = True
+    return free
+
+
 bitmaps = arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, max_side=12))
 
 
@@ -114,7 +126,7 @@ def test_a_corner_is_cut_only_if_that_is_allowed():
     assert astar(grid, [0.5, 1.5], [1.5, 0.5]).length == pytest.approx(2.0)
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=500)
 @given(
     tasks(), st.booleans(), st.sampled_from(["octile", "euclidean"]), st.sampled_from([0, 0.5, 1])
 )
@@ -160,14 +172,11 @@ def test_costs_order_ways_as_their_lengths_do():
 
 
 def test_a_way_along_a_maze_of_many_bends_is_found():
-    """It is far longer than the buckets reach that the first attempt has."""
-    free = np.ones((81, 80), dtype=bool)
-    for row in range(1, 80, 2):
-        free[row] = False
-        free[row, 0 if row % 4 == 1 else -1] = True
-    plan = astar(GridMap(free, 1.0), [79.5, 0.5], [0.5, 80.5])
-    assert plan.length == pytest.approx(naive_length(free, (0, 79), (80, 0)))
-    assert plan.length > 3000
+    """It is far longer than the ring of buckets is wide."""
+    free = serpentine(121)
+    plan = astar(GridMap(free, 1.0), [120.5, 0.5], [0.5, 120.5])
+    assert plan.length == pytest.approx(naive_length(free, (0, 120), (120, 0)))
+    assert plan.length > 7000
 
 
 def test_the_same_question_gets_the_same_way_to_the_bit():
@@ -184,7 +193,7 @@ def test_the_kernel_read_as_plain_python_does_the_same(monkeypatch):
     grid = GridMap(rng.random((30, 30)) > 0.25, 1.0)
     start, goal = nearest_free(grid, [5.0, 5.0]), nearest_free(grid, [28.0, 28.0])
     compiled = [astar(grid, start, goal, weight=w, watch=True) for w in (1.0, 1.5)]
-    for name in ("search", "trace", "estimate", "may_step"):
+    for name in ("search", "trace", "times", "estimate", "walls_around"):
         monkeypatch.setattr(search, name, getattr(search, name).py_func)
     for plan, w in zip(compiled, (1.0, 1.5), strict=True):
         plain = astar(grid, start, goal, weight=w, watch=True)
@@ -192,9 +201,81 @@ def test_the_kernel_read_as_plain_python_does_the_same(monkeypatch):
         np.testing.assert_array_equal(plain.order, plan.order)
 
 
+NINE = [(row, col) for row in range(3) for col in range(3)]  # a cell and all that is around it
+
+
+def length_past_the_middle(free: np.ndarray, start, end, cut_corners: bool) -> float:
+    """Length of the shortest way on nine cells that never enters the one in the middle."""
+    length = {cell: inf for cell in NINE} | {tuple(start): 0.0}
+    for _ in range(8):
+        for row, col in NINE:
+            for to in NINE:
+                beside = free[to[0], col] and free[row, to[1]]
+                one_step = max(abs(to[0] - row), abs(to[1] - col)) == 1
+                if one_step and free[to] and to != (1, 1) and (beside or cut_corners):
+                    length[to] = min(length[to], length[row, col] + hypot(to[0] - row, to[1] - col))
+    return length[tuple(end)]
+
+
+@pytest.mark.parametrize("cut_corners", [False, True])
+def test_a_step_is_needless_just_if_its_end_is_reached_as_cheaply_without_it(cut_corners):
+    table, around = (
+        moves.worthwhile(cut_corners, False),
+        list(zip(search.D_ROW.tolist(), search.D_COL.tolist(), strict=True)),
+    )
+    judged = 0
+    for walls in range(256):
+        free = np.ones((3, 3), dtype=bool)
+        for k, (dr, dc) in enumerate(around):
+            free[1 + dr, 1 + dc] = not walls >> k & 1
+        for came, (dr, dc) in enumerate(around):
+            before, step = (1 - dr, 1 - dc), hypot(dr, dc)
+            if not free[before] or not (cut_corners or (free[1 - dr, 1] and free[1, 1 - dc])):
+                continue  # nobody comes that way
+            row = int(table[came, walls])
+            worth = [row >> 4 * i & 7 for i in range(8) if row >> 4 * i & 8]
+            for k, (up, right) in enumerate(around):
+                end, through = (1 + up, 1 + right), step + hypot(up, right)
+                opened = free[end] and (cut_corners or (free[end[0], 1] and free[1, end[1]]))
+                past = length_past_the_middle(free, before, end, cut_corners)
+                # Of two equally long ways the one that begins with the diagonal step is kept.
+                needless = past < through - 1e-9 or (came % 2 == 0 and past < through + 1e-9)
+                assert (k in worth) == (opened and not needless), (walls, came, k)
+                judged += 1
+    assert judged > 5000
+
+
+def test_where_a_cell_is_gone_on_from_once_only_steps_back_are_needless():
+    straight_on, at_the_start = moves.worthwhile(False, True)[[0, search.NOWHERE], 0].tolist()
+    # Two eighths to each side, straight on last: what is put on a pile last is taken up first.
+    assert f"{straight_on:x}" == "89fae"
+    assert sorted(f"{at_the_start:x}") == sorted("89abcdef")
+
+
+@pytest.mark.parametrize("weight", [1.0, 1.5, 5.0])
+def test_a_search_that_ran_out_of_room_is_made_again_with_more(monkeypatch, weight):
+    rng, kernel, tries = np.random.default_rng(6), search.search, []
+    grid = GridMap(rng.random((60, 60)) > 0.25, 1.0)
+    ends = nearest_free(grid, [1.0, 1.0]), nearest_free(grid, [58.0, 58.0])
+    wanted = astar(grid, *ends, weight=weight, watch=True)
+
+    def in_a_corner(*arguments):
+        *others, top, pool = arguments
+        found = kernel(*others, top[: len(top) // 1024], pool[:, : pool.shape[1] // 256].copy())
+        tries.append(found[1])
+        return found
+
+    monkeypatch.setattr(search, "search", in_a_corner)
+    plan = astar(grid, *ends, weight=weight, watch=True)
+    np.testing.assert_array_equal(plan.cells, wanted.cells)
+    np.testing.assert_array_equal(plan.order, wanted.order)
+    assert -2 in tries and (-1 in tries) == (weight > 1.0) and tries[-1] == plan.expanded
+
+
 # --- estimates and weights --------------------------------------------------------------------
 
 
+@settings(deadline=None)
 @given(st.integers(-60, 60), st.integers(-60, 60))
 def test_only_manhattan_ever_estimates_too_much(rows, cols):
     far, near = max(abs(rows), abs(cols)), min(abs(rows), abs(cols))
@@ -206,6 +287,7 @@ def test_only_manhattan_ever_estimates_too_much(rows, cols):
     assert (manhattan > true) == (near > 0)
 
 
+@settings(deadline=None)
 @given(st.integers(-2000, 2000), st.integers(-2000, 2000), st.integers(0, 7))
 def test_an_admissible_estimate_falls_by_no_more_than_the_step_costs(rows, cols, k):
     step = search.DIAGONAL if k % 2 else search.STRAIGHT
@@ -348,17 +430,49 @@ def test_a_map_of_ros_can_be_planned_on(tmp_path):
     np.testing.assert_allclose(plan.xy[0], [-2.375, 7.125])
 
 
-def test_memory_for_a_cell_stays_below_sixteen_bytes():
-    rng = np.random.default_rng(2)
-    free = rng.random((1000, 1000)) > 0.3
-    free[0, 0] = free[-1, -1] = True
-    grid = GridMap(free, 1.0)
-    astar(grid, [0.5, 0.5], [999.5, 999.5])  # what compiling needs is not counted
+def peaks_of(grid: GridMap, monkeypatch, **options) -> tuple[float, float]:
+    """Most memory held [bytes a cell of the map] until the goal was reached, and in the end."""
+    reached, trace = [], search.trace
+
+    def watched_trace(*arguments):
+        reached.append(tracemalloc.get_traced_memory()[1])
+        return trace(*arguments)
+
+    first, last = grid.centres([[2, 2], np.subtract(grid.shape, 3)])
+    astar(grid, first, first, **options)  # what compiling needs is not counted
+    monkeypatch.setattr(search, "trace", watched_trace)
     tracemalloc.start()
-    astar(grid, [0.5, 0.5], [999.5, 999.5])
+    astar(grid, first, last, **options)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert peak / free.size <= 16.0
+    return reached[0] / grid.free.size, peak / grid.free.size
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        dict(),
+        dict(weight=0),
+        dict(weight=1.11),
+        dict(weight=100, heuristic="manhattan"),
+        dict(cut_corners=True),
+        dict(watch=True),
+        dict(clearance=1.0),
+    ],
+    ids=str,
+)
+def test_memory_for_a_cell_stays_below_sixteen_bytes(options, monkeypatch):
+    free = np.random.default_rng(2).random((1001, 1001)) > (0.02 if "clearance" in options else 0.2)
+    free[:4, :4] = free[-4:, -4:] = True
+    _, peak = peaks_of(GridMap(free, 1.0), monkeypatch, **options)
+    assert 9.0 < peak <= 16.0
+
+
+@pytest.mark.parametrize("weight", [0, 1, 1.11, 100])
+def test_the_search_takes_no_more_memory_in_a_maze(weight, monkeypatch):
+    """The way, half a million points long, is not counted: each takes four numbers."""
+    reached, _ = peaks_of(GridMap(serpentine(1001), 1.0), monkeypatch, weight=weight)
+    assert 9.0 < reached <= 16.0
 
 
 # --- odd maps and refusals --------------------------------------------------------------------
@@ -378,6 +492,16 @@ def test_a_map_one_cell_wide_is_a_map(shape):
     assert plan.length == pytest.approx(0.5 * (max(shape) - 1))
 
 
+@pytest.mark.parametrize("heuristic", ["octile", "manhattan"])
+@pytest.mark.parametrize("weight", [0, 1, 1.5, 100])
+def test_a_corridor_of_a_hundred_thousand_cells_is_no_trouble(weight, heuristic):
+    """A hundred times the estimate of its length, before it is divided, needs 65 bits."""
+    grid = GridMap(np.ones((1, 100_000), dtype=bool), 1.0)
+    plan = astar(grid, [20_000.5, 0.5], [99_999.5, 0.5], weight=weight, heuristic=heuristic)
+    assert plan.length == 79_999.0
+    assert plan.expanded <= (80_000 if weight else 100_000), "it went back"
+
+
 TWO_ROOMS = drawn("..#.. ..#.. ..#..")
 
 
@@ -391,6 +515,7 @@ TWO_ROOMS = drawn("..#.. ..#.. ..#..")
         ([0.5, 0.5], [4.5, 3.0], 0.0, "outside", "goal: .*outside the map"),
         ([0.5, 0.5], [1.5, 2.5], 0.5, "blocked", "start: .*nearer than the clearance of 0.5 m"),
         ([0.5, 0.5], [1.5, 2.5], 1e9, "blocked", "start: .*nearer than the clearance of 1e"),
+        ([0.5, 0.5], [1.5, 2.5], 1e300, "blocked", "start: .*nearer than the clearance of 1e"),
     ],
 )
 def test_where_there_is_no_way_the_message_says_why(start, goal, clearance, reason, sentence):
@@ -419,6 +544,9 @@ def test_on_a_map_without_a_free_cell_nothing_can_be_planned():
         (dict(weight=-1.0), "weight: must be from 0"),
         (dict(weight=nan), "weight: must be from 0"),
         (dict(weight=1e9), "weight: must be from 0"),
+        (dict(weight="much"), "weight: expected numbers, got str"),
+        (dict(clearance=inf), "clearance: .*not a finite number"),
+        (dict(heuristic=["octile"]), "heuristic: must be one of octile"),
         (dict(heuristic="chebyshev"), "heuristic: must be one of octile"),
     ],
 )
@@ -630,3 +758,79 @@ def test_resampled_points_lie_on_the_way_evenly_spread(xy, spacing):
 def test_a_spacing_that_is_not_positive_is_refused(function):
     with pytest.raises(ValueError, match="spacing: must be positive"):
         function([[0.0, 0.0], [1.0, 0.0]], 0.0)
+
+
+# --- one cell and its steps -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("goal", "cells"),
+    [((0, 0), 0.0), ((0, 7), 7.0), ((-5, 0), 5.0), ((4, 4), 4 * ROOT2), ((3, -4), 1 + 3 * ROOT2)],
+)
+def test_octile_distance_counts_diagonal_steps_first(goal, cells):
+    assert octile_distance((0, 0), goal) == pytest.approx(cells, abs=1e-12)
+    assert octile_distance(goal, (0, 0)) == octile_distance((0, 0), goal)
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(0, 11), st.integers(0, 8))
+def test_octile_distance_is_the_length_of_the_way_on_an_empty_map(row, col):
+    grid = GridMap(np.ones((12, 9), dtype=bool), 1.0)
+    plan = astar(grid, grid.centres((2, 3)), grid.centres((row, col)))
+    assert octile_distance((2, 3), (row, col)) == pytest.approx(plan.length)
+
+
+def naive_steps(free: np.ndarray, row: int, col: int, cut: bool) -> dict:
+    """Open steps by the rule, cell by cell."""
+    found = {}
+    for dr in (-1, 0, 1):
+        for dc in (-1, 0, 1):
+            r, c = row + dr, col + dc
+            if (dr, dc) == (0, 0) or not (0 <= r < free.shape[0] and 0 <= c < free.shape[1]):
+                continue
+            if free[r, c] and (cut or not (dr and dc) or (free[r, col] and free[row, c])):
+                found[r, c] = ROOT2 if dr and dc else 1.0
+    return found
+
+
+@settings(deadline=None, max_examples=80)
+@given(arrays(bool, array_shapes(min_dims=2, max_dims=2, max_side=6)), st.data(), st.booleans())
+def test_neighbours_are_the_cells_that_the_rule_allows(free, data, cut):
+    row, col = (data.draw(st.integers(0, n - 1)) for n in free.shape)
+    steps = neighbours(GridMap(free, 0.3), (row, col), cut_corners=cut)
+    assert dict(steps) == naive_steps(free, row, col, cut)
+    assert len(steps) == len(dict(steps))
+
+
+@pytest.mark.parametrize("cell", [(-1, 0), (0, 3), (2, 0), (0.5, 0), (0, 0, 0), "here"])
+def test_neighbours_of_no_cell_are_refused(cell):
+    with pytest.raises(ValueError, match="cell:"):
+        neighbours(GridMap(np.ones((2, 3), dtype=bool), 1.0), cell)
+    if cell not in ((-1, 0), (0, 3), (2, 0)):
+        with pytest.raises(ValueError, match="goal:"):
+            octile_distance((0, 0), cell)
+
+
+def test_a_plan_through_a_list_of_cells_knows_its_points_and_its_length():
+    grid = GridMap(np.ones((5, 5), dtype=bool), 0.2, (1.0, -1.0))
+    plan = plan_through(grid, [(0, 0), (1, 1), (1, 2), (0, 3)], 17)
+    assert plan.length == pytest.approx(0.2 * (1 + 2 * ROOT2))
+    np.testing.assert_allclose(plan.xy, [[1.1, -0.9], [1.3, -0.7], [1.5, -0.7], [1.7, -0.9]])
+    assert (plan.expanded, plan.cells.dtype) == (17, np.int64)
+    alone = plan_through(grid, [(2, 2)], 0)
+    assert alone.length == 0.0 and alone.xy.shape == (1, 2)
+
+
+@pytest.mark.parametrize(
+    ("cells", "sentence"),
+    [
+        ([], "cells: "),
+        ([(0, 0), (0, 2)], r"from \[0, 0\] to \[0, 2\] is no step"),
+        ([(0, 0), (0, 0)], "is no step"),
+        ([(0.5, 0.5)], "are these metres"),
+        ([(0, 0, 0)], "cells: expected shape"),
+    ],
+)
+def test_cells_that_are_no_way_are_refused(cells, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        plan_through(GridMap(np.ones((3, 3), dtype=bool), 1.0), cells, 1)

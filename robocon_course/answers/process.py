@@ -11,7 +11,7 @@ import tempfile
 import threading
 import time
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from robocon_course.answers import wire
@@ -27,6 +27,7 @@ class Reply:
 
     ``error`` is the exception's type name, ``"TimeLimit"`` when the process was stopped,
     ``"ProcessEnded"`` when it died, and empty when a value came.
+    ``seconds`` is how long one waited for it; no two runs agree on that.
     """
 
     value: Any = None
@@ -34,6 +35,7 @@ class Reply:
     message: str = ""
     line: str = ""
     printed: str = ""
+    seconds: float = field(default=0.0, compare=False)
 
 
 class AnswerProcess:
@@ -128,10 +130,11 @@ class AnswerProcess:
         except queue.Empty:
             self.close()
             return Reply(error="TimeLimit", message=f"stopped after {self.time_limit:g} s")
-        self.time_left -= time.monotonic() - started
+        waited = time.monotonic() - started
+        self.time_left -= waited
         if len(line) > REPLY_LIMIT:
             return Reply(error="TooLarge", message=f"returned more than {REPLY_LIMIT >> 20} MB")
-        return _reply(line) if line else ended
+        return replace(_reply(line), seconds=waited) if line else ended
 
 
 def _reply(line: bytes) -> Reply:

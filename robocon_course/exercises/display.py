@@ -35,7 +35,7 @@ class Shown:
 
 def shown_verdict(verdict: Verdict, extra: str = "") -> Shown:
     """A verdict ready to display; ``extra`` says what happened to the accepted part."""
-    lines = [verdict.message, extra]
+    lines = [verdict.message, verdict.took, extra]
     if verdict.printed and not verdict.accepted:
         lines.append("Your function printed: " + verdict.printed.strip()[:300])
     body = "\n".join(line for line in lines if line)

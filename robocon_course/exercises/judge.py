@@ -5,7 +5,9 @@ from __future__ import annotations
 import copy
 import math
 import sys
+import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from robocon_course.answers.process import AnswerProcess, Reply
@@ -60,7 +62,10 @@ def judge(exercise: Exercise, ask: Ask, student: Student = 0, salt: str = "publi
             replies += _ask_the_rest(cases[at + 1 :], ask, replies[-1])
             return _failed(exercise, cases, replies, at, sentence)
     text = f"{len(cases)} of {len(cases)} cases are right."
-    return _verdict(exercise, Outcome.PASSED, text, cases=(len(cases), len(cases)), replies=replies)
+    verdict = _verdict(
+        exercise, Outcome.PASSED, text, cases=(len(cases), len(cases)), replies=replies
+    )
+    return replace(verdict, took=_took(cases, replies))
 
 
 def judge_answer(
@@ -110,8 +115,8 @@ def judge_number(number: Number, value: Any, student: Student = 0) -> Verdict:
     if abs(value - number.truth(student)) <= number.tolerance:
         return verdict(Outcome.PASSED, f"{value:.4g} {number.unit} is right for {whose}.")
     for mistake in number.mistakes:
-        # Two per cent: a small wrong number must not pass for another small wrong number.
-        if math.isclose(value, mistake.function(student), rel_tol=0.02):
+        # In parts: a small wrong number must not pass for another small wrong number.
+        if math.isclose(value, mistake.function(student), rel_tol=number.likeness):
             return verdict(Outcome.WRONG, mistake.message, mistake.name)
     text = (
         f"{value:.4g} {number.unit} is not within {number.tolerance:g} {number.unit} of the truth "
@@ -124,8 +129,9 @@ def ask_function(function: Callable[..., Any]) -> Ask:
     """Ask a function of the course itself: a reference, or a wrong answer of the catalogue."""
 
     def ask(args: tuple) -> Reply:
+        own, started = copy.deepcopy(args), time.monotonic()
         try:
-            return Reply(value=function(*copy.deepcopy(args)))
+            return Reply(value=function(*own), seconds=time.monotonic() - started)
         except Exception as error:
             return Reply(error=type(error).__name__, message=str(error))
 
@@ -221,9 +227,22 @@ def _recognise(
     return None
 
 
+def _took(cases: Sequence[Case], replies: Sequence[Reply]) -> str:
+    """How long the timed cases took, in words."""
+    pairs = zip(cases, replies, strict=True)
+    return " ".join(f"{c.timed} took {r.seconds:.2f} s." for c, r in pairs if c.timed)
+
+
 def _alike(case: Case, reply: Reply, other: Reply) -> bool:
     if reply.error or other.error:
         return reply.error == other.error
+    if reply.value is None or other.value is None:
+        return reply.value is other.value
+    if case.traits:
+        try:
+            return case.traits(reply.value) == case.traits(other.value)
+        except (TypeError, ValueError, AttributeError, IndexError):
+            pass  # a result without the form that has such traits
     return difference(reply.value, other.value, case.atol or ALIKE) is None
 
 
@@ -263,7 +282,9 @@ def _judge_score(exercise: Exercise, cases: Sequence[Case], ask: Ask) -> Verdict
 
 
 def _shape_problem(exercise: Exercise, case: Case, reply: Reply) -> str | None:
-    """A challenge's result must at least have the form of the reference's."""
+    """A challenge's result must at least have the form of the reference's, or what is asked."""
+    if case.judge:
+        return case.judge(reply)
     expected = exercise.reference(*copy.deepcopy(case.args))
     return difference(reply.value, expected, sys.float_info.max, case.unit)
 

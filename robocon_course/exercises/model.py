@@ -42,6 +42,12 @@ class Case:
         reference where a property, or a refusal, is what matters.
     truth : object, optional
         What the answer is measured against in a challenge; the answer never sees it.
+    traits : callable, optional
+        ``traits(value)``: by what of a result one mistake is told from another, where several
+        results are equally right. Without it, by all of it.
+    timed : str
+        Where somebody wants to know how long the answer took: what took so long, "The way over
+        the field". Points never depend on it.
     """
 
     what: str
@@ -50,6 +56,8 @@ class Case:
     atol: float | dict[str, float] = 1e-9
     judge: Callable[[Reply], str | None] | None = None
     truth: Any = None
+    traits: Callable[[Any], Any] | None = None
+    timed: str = ""
 
 
 @dataclass(frozen=True)
@@ -138,6 +146,8 @@ class Number:
         Largest difference accepted, in ``unit``.
     mistakes : tuple of Mistake
         Their functions take the student number, too.
+    likeness : float
+        So near to a mistake's number, in parts of it, a wrong number is taken for that mistake.
     """
 
     id: str
@@ -148,6 +158,7 @@ class Number:
     unit: str
     mistakes: tuple[Mistake, ...]
     hints: tuple[str, ...]
+    likeness: float = 0.02
 
     @property
     def chapter(self) -> str:
@@ -167,7 +178,11 @@ class Finding:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a check says."""
+    """What a check says.
+
+    ``took`` is how long the answer took, in words, where the exercise tells that: the only thing
+    here that no two runs agree on.
+    """
 
     id: str
     outcome: Outcome
@@ -178,6 +193,7 @@ class Verdict:
     finding: Finding | None = None
     cases: tuple[int, int] = (0, 0)
     printed: str = field(default="", compare=False)
+    took: str = field(default="", compare=False)
 
     @property
     def accepted(self) -> bool:
@@ -190,7 +206,7 @@ class Verdict:
         return f"{self.outcome.value}: {self.id}, {self.points:g} of {self.out_of:g} points"
 
     def __str__(self) -> str:
-        return f"{self.line}\n  {self.message}" if self.message else self.line
+        return "\n  ".join(part for part in (self.line, self.message, self.took) if part)
 
 
 class UnknownExercise(CourseError, KeyError):

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.field import layout, raster
 from robocon_course.field.raster import ORIGIN
-from robocon_course.gridmap import GridMap
+from robocon_course.gridmap import GridMap, put_boxes
 
 FLOOR_TABLE: FloatArray = np.array(
     [
@@ -88,12 +88,7 @@ def obstacle_map(resolution: float = 0.01) -> GridMap:
 def _obstacle_map(count: int, resolution: float) -> GridMap:
     """`obstacle_map`, once per resolution."""
     grid = GridMap(np.ones((count, count), dtype=bool), resolution, ORIGIN)
-    free = grid.free.copy()
-    for rect in layout.OBSTACLES:
-        first = np.floor(grid.to_cells(rect[1:3])).astype(int)
-        end = np.ceil(grid.to_cells(rect[3:5])).astype(int)
-        free[first[0] : end[0], first[1] : end[1]] = False
-    return GridMap(free, resolution, ORIGIN)
+    return put_boxes(grid, [rect[1:5] for rect in layout.OBSTACLES])
 
 
 def height_map(resolution: float = 0.01) -> NDArray[np.float32]:

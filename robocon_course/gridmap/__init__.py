@@ -3,10 +3,21 @@
 =========  =================================================
 ``grid``   the map, from points to cells and back, inflating
 ``files``  ROS map files in and out
+``octile`` benchmark maps, and pairs to plan between
 =========  =================================================
 """
 
 from robocon_course.gridmap.files import load_map, save_map
-from robocon_course.gridmap.grid import GridMap, inflate, inflate_square
+from robocon_course.gridmap.grid import GridMap, inflate, inflate_square, put_boxes
+from robocon_course.gridmap.octile import Scenario, load_scenarios
 
-__all__ = ["GridMap", "inflate", "inflate_square", "load_map", "save_map"]
+__all__ = [
+    "GridMap",
+    "Scenario",
+    "inflate",
+    "inflate_square",
+    "load_map",
+    "load_scenarios",
+    "put_boxes",
+    "save_map",
+]

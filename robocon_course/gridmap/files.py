@@ -1,4 +1,4 @@
-"""Maps on disk: a YAML text beside an image, as ROS keeps them.
+"""Maps on disk: a YAML text beside an image, as ROS keeps them; benchmark maps are read, too.
 
 With v the mean of a pixel's channels, 0 to 255, a cell is occupied with
 
@@ -25,26 +25,30 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.gridmap.grid import BoolArray, GridMap
+from robocon_course.gridmap.octile import load_octile
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
 REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 MODES = ("trinary", "scale", "raw")
+WHITE, DEEP_WHITE = 255, 65535
 FREE, OCCUPIED = 254, 0
 """Grey values that `save_map` writes, those of ROS' map_saver."""
 
 
 def load_map(path: str | Path) -> GridMap:
-    """The map of a ROS YAML file and the image beside it.
+    """The map of a ROS YAML file and the image beside it, or a benchmark map.
 
     Parameters
     ----------
     path : str or Path
-        The YAML file. Its ``image`` is looked for from the YAML file's folder.
+        The YAML file. Its ``image`` is looked for from the YAML file's folder. A file that ends
+        in ``.map`` is one of the Moving AI Lab's, as `octile` describes them.
 
     Returns
     -------
@@ -57,21 +61,23 @@ def load_map(path: str | Path) -> GridMap:
         No such file, or no such image.
     ValueError
         A key is missing or makes no sense, the map is turned (yaw other than 0), or the image
-        cannot be read.
+        cannot be read. Or the ``.map`` file is broken; the message says where.
     """
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"there is no map file {path}; give the YAML file of the map")
+    if path.suffix.lower() == ".map":
+        return load_octile(path)
     about = _read_yaml(path)
     resolution, origin, thresholds = _numbers(about, path)
     if thresholds[1] > thresholds[0]:
         raise ValueError(f"{path}: free_thresh must not be above occupied_thresh; mend the file")
-    mode, negate = about.get("mode", "trinary"), about["negate"]
+    mode, negate = str(about.get("mode", "trinary")).lower(), about["negate"]
     if mode not in MODES:
-        raise ValueError(f"{path}: mode must be one of {', '.join(MODES)}, got {mode!r}")
+        raise ValueError(f"{path}: mode must be one of {', '.join(MODES)}, got {about['mode']!r}")
     if negate not in (0, 1):
         raise ValueError(f"{path}: negate must be 0 or 1, got {negate!r}")
-    pixels = _read_image(path.parent / str(about["image"]))
+    pixels = _read_image(_image_of(about["image"], path))
     free = _free(pixels, mode, bool(negate), thresholds[1])
     return GridMap(free[::-1], resolution, origin)
 
@@ -125,10 +131,12 @@ def _read_yaml(path: Path) -> dict[str, Any]:
     import yaml
 
     try:
-        about = yaml.safe_load(path.read_text(encoding="utf-8"))
+        about = yaml.safe_load(path.read_bytes())  # which finds out how the text is encoded
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        reason = str(error).splitlines()[0]
-        raise ValueError(f"{path}: is no YAML text ({reason}); is it the image?") from None
+        mark = getattr(error, "problem_mark", None)
+        reason = getattr(error, "problem", None) or str(error).splitlines()[0]
+        where = f"line {mark.line + 1}: {reason}" if mark else reason
+        raise ValueError(f"{path}: is no YAML text ({where}); is it the image?") from None
     if not isinstance(about, dict):
         raise ValueError(f"{path}: holds no keys and values; a map file begins with 'image: ...'")
     missing = [key for key in REQUIRED if key not in about]
@@ -157,34 +165,54 @@ def _numbers(about: dict[str, Any], path: Path) -> tuple[float, tuple[float, flo
     return resolution, (float(x), float(y)), thresholds
 
 
-def _read_image(path: Path) -> FloatArray:
-    """Channels of every pixel, 0 to 255, (rows, cols, 3) or with alpha (rows, cols, 4)."""
+def _image_of(name: object, path: Path) -> Path:
+    """The image that a map file names."""
+    image = path.parent / str(name)
+    if not image.is_file() and "\\" in str(name):  # written on Windows
+        image = path.parent / str(name).replace("\\", "/")
+    if not image.is_file():
+        raise FileNotFoundError(
+            f"there is no image {image}, which the map file {path.name} names; lay the image "
+            "beside the map file and write 'image: ' with its name alone"
+        )
+    return image
+
+
+def _read_image(path: Path) -> tuple[NDArray[np.integer[Any]], int]:
+    """Pixels, shape (rows, cols, channels) with alpha as the fourth, and how much white is."""
     from PIL import Image, UnidentifiedImageError
 
-    if not path.is_file():
-        raise FileNotFoundError(f"there is no image {path}, which the map file names")
     try:
         with Image.open(path) as image:
-            return _channels(image)
+            return _pixels(image)
     except (UnidentifiedImageError, OSError, SyntaxError, ValueError) as error:
         raise ValueError(f"{path}: cannot be read as an image ({error})") from None
+    except Image.DecompressionBombError as error:
+        raise ValueError(f"{path}: is too large for a map ({error})") from None
 
 
-def _channels(image: Image) -> FloatArray:
-    """Pixels of an opened image as `_read_image` gives them."""
+def _pixels(image: Image) -> tuple[NDArray[np.integer[Any]], int]:
+    """Pixels of an opened image, as `_read_image` gives them."""
     if image.mode.startswith("I"):  # 16 bits a pixel, no colour
-        return np.repeat(np.asarray(image, dtype=np.float64)[..., None] / 257.0, 3, axis=-1)
-    mode = "RGBA" if image.has_transparency_data else "RGB"
-    return np.asarray(image.convert(mode), dtype=np.float64)
+        return np.asarray(image).clip(0, DEEP_WHITE).astype(np.uint16)[..., None], DEEP_WHITE
+    if image.has_transparency_data:
+        return np.asarray(image.convert("RGBA")), WHITE
+    if image.mode in ("1", "L"):
+        return np.asarray(image.convert("L"))[..., None], WHITE
+    return np.asarray(image.convert("RGB")), WHITE
 
 
-def _free(pixels: FloatArray, mode: str, negate: bool, free_thresh: float) -> BoolArray:
+def _free(
+    image: tuple[NDArray[np.integer[Any]], int], mode: str, negate: bool, free_thresh: float
+) -> BoolArray:
     """Which pixels are free, the image's way up."""
-    alpha = pixels[..., 3] if pixels.shape[-1] == 4 else 255.0
+    pixels, white = image
     averaged = pixels if mode == "trinary" else pixels[..., :3]
-    value = averaged.mean(axis=-1)
+    total = averaged.sum(axis=-1, dtype=np.uint16)
+    # Of every sum that can be: a map has millions of pixels, but few sums.
+    value = WHITE * np.arange(averaged.shape[-1] * white + 1) / (averaged.shape[-1] * white)
     if negate:
-        value = 255.0 - value
-    if mode == "raw":
-        return np.floor(value) < 100.0 * free_thresh
-    return ((255.0 - value) / 255.0 < free_thresh) & ((mode == "trinary") | (alpha == 255.0))
+        value = WHITE - value
+    p = np.floor(value) / 100.0 if mode == "raw" else (WHITE - value) / WHITE
+    free = (p < free_thresh)[total]
+    return free & (pixels[..., 3:] == white).all(axis=-1) if mode == "scale" else free

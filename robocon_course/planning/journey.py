@@ -127,6 +127,7 @@ def travel(
     clearance: float = 0.0,
     known: GridMap | None = None,
     planner: Callable[[GridMap, FloatArray], Plan] | None = None,
+    room: Callable[[GridMap], GridMap] | None = None,
 ) -> Journey:
     """Drive to a goal through obstacles that the robot does not know until it sees them.
 
@@ -145,6 +146,9 @@ def travel(
         ``planner(known, xy)`` gives the plan from xy to the goal, with the same clearance. A
         `Replanner` without it; ``lambda grid, xy: astar(grid, xy, goal)`` starts from nothing each
         time.
+    room : callable, optional
+        ``room(known)`` is the map for the robot's middle, in the place of ``clearance``: for a
+        body that is not round. A planner of one's own has to use it, too.
 
     Returns
     -------
@@ -158,7 +162,8 @@ def travel(
         Maps that do not lie on each other, or anything that `astar` refuses.
     """
     checked_task(truth, start, goal, 0.0)
-    planner = planner or Replanner(goal, clearance=clearance).plan
+    room = room or (lambda grid: inflated(grid, clearance))
+    planner = planner or _through(room, Replanner(goal))
     known = known or GridMap(np.ones(truth.shape, dtype=bool), truth.resolution, truth.origin)
     if _frame(known) != _frame(truth):
         raise ValueError("known: must have the shape, resolution and origin of truth")
@@ -167,8 +172,8 @@ def travel(
     while not legs or len(ahead) > 1:
         known, new = _learnt(truth, known, visible_cells(truth, driven[-1], reach))
         found.append(new)
-        if not legs or (len(new) and not _is_open(inflated(known, clearance), ahead)):
-            _back_out(inflated(known, clearance), driven)
+        if not legs or (len(new) and not _is_open(room(known), ahead)):
+            _back_out(room(known), driven)
             plan = planner(known, driven[-1])
             legs.append(Leg(driven[-1], np.concatenate(found), plan))
             ahead, found = plan.cells, []
@@ -176,6 +181,13 @@ def travel(
             ahead = ahead[1:]
             driven.append(truth.centres(ahead[0]))
     return Journey(np.array(driven), tuple(legs), known)
+
+
+def _through(
+    room: Callable[[GridMap], GridMap], replanner: Replanner
+) -> Callable[[GridMap, FloatArray], Plan]:
+    """The planner that mends its plan through the room there is."""
+    return lambda known, xy: replanner.plan(room(known), xy)
 
 
 def _frame(grid: GridMap) -> tuple[object, ...]:

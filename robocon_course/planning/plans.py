@@ -134,8 +134,8 @@ def inflated(grid: GridMap, clearance: float) -> GridMap:
 
 
 def plan_through(
-    room: GridMap,
-    cells: NDArray[np.int64],
+    grid: GridMap,
+    cells: ArrayLike,
     expanded: int,
     order: NDArray[np.int32] | None = None,
 ) -> Plan:
@@ -143,19 +143,52 @@ def plan_through(
 
     Parameters
     ----------
-    room : GridMap
-    cells : ndarray of int64, shape (n, 2)
+    grid : GridMap
+        Says where the cells lie and how large they are.
+    cells : array_like of int, shape (n, 2)
+        (row, col), from start to goal; a list of pairs will do.
     expanded : int
+        From how many cells the search went on.
     order : ndarray of int32, shape (rows, cols), optional
+        When it did, as in `Plan`.
 
     Returns
     -------
     Plan
+
+    Raises
+    ------
+    ValueError
+        No cells, another shape, no whole numbers, or two cells that are no neighbours.
+
+    Examples
+    --------
+    >>> plan = plan_through(GridMap(np.ones((2, 3), dtype=bool), 0.5), [(0, 0), (1, 1), (1, 2)], 3)
+    >>> plan.xy.tolist(), round(plan.length, 3)
+    ([[0.25, 0.25], [0.75, 0.75], [1.25, 0.75]], 1.207)
     """
-    diagonal = int(np.diff(cells, axis=0).all(axis=1).sum())
+    cells = _as_cells(cells)
+    away = np.abs(np.diff(cells, axis=0))
+    jumps = np.flatnonzero(away.max(axis=1, initial=0) != 1)
+    if len(jumps):
+        one, other = cells[jumps[0] : jumps[0] + 2].tolist()
+        raise ValueError(f"cells: from {one} to {other} is no step to one of the eight neighbours")
+    diagonal = int(away.all(axis=1).sum())
     straight = len(cells) - 1 - diagonal
-    length = (straight + diagonal * sqrt(2.0)) * room.resolution
-    return Plan(room.centres(cells), cells, length, expanded, order)
+    length = (straight + diagonal * sqrt(2.0)) * grid.resolution
+    return Plan(grid.centres(cells), cells, length, expanded, order)
+
+
+def _as_cells(cells: ArrayLike) -> NDArray[np.int64]:
+    """Cells as whole numbers, checked."""
+    numbers = as_floats(cells, "cells", None, 2)
+    if not len(numbers):
+        raise ValueError("cells: a way has at least one cell, got none")
+    if (numbers != np.rint(numbers)).any():
+        raise ValueError(
+            "cells: expected whole numbers (row, col), got fractions; are these metres?"
+        )
+    return numbers.astype(np.int64)
 
 
 def no_way(task: Task, reached: int) -> NoPathError:

@@ -41,7 +41,7 @@ from robocon_course.planning.search import (
     prepared,
 )
 
-# numba looks for changes only in this file: after one in search.py, save this one too.
+# numba looks for changes only in this file: after one in moves.py, save this one too.
 
 
 @njit(cache=True)

@@ -9,12 +9,7 @@ kept in *buckets*: stacks that each hold a small range of f. The lowest bucket i
 the next is begun, and a cell that becomes cheaper in the meantime is put back into it. So nothing
 has to be sorted, and the way found is still the shortest (`search` says why).
 
-Costs are whole numbers, 1 311 738 121 for a straight step and 1 855 077 841 for a diagonal one.
-That is √2 to 18 digits: of two ways with less than 10^9 steps the shorter one always has the
-smaller cost, and nothing depends on the order in which numbers are added.
-
-Kernels see the map as `prepared` makes it: flat, with a wall around it, so that a neighbour is one
-addition away and nobody asks whether it lies on the map.
+What a step costs, and which steps are worth a try, stands in `moves`.
 
 Source: P. E. Hart, N. J. Nilsson, B. Raphael, A Formal Basis for the Heuristic Determination of
 Minimum Cost Paths, IEEE Transactions on Systems Science and Cybernetics 4(2), 1968; R. B. Dial,
@@ -23,129 +18,49 @@ Algorithm 360, Communications of the ACM 12(11), 1969, for the buckets.
 
 from __future__ import annotations
 
-from math import sqrt
-
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from robocon_course.gridmap import GridMap
+from robocon_course.planning.moves import (  # noqa: F401, the others are for those who search, too
+    D_COL,
+    D_ROW,
+    DIAGONAL,
+    EUCLIDEAN,
+    MANHATTAN,
+    NEVER,
+    NOWHERE,
+    OCTILE,
+    OVERESTIMATE,
+    STRAIGHT,
+    WALL,
+    estimate,
+    may_step,
+    prepared,
+    walls_around,
+)
 
-STRAIGHT, DIAGONAL = 1_311_738_121, 1_855_077_841
-NEVER = 1 << 62
-"""A cost that no way has."""
-OCTILE, MANHATTAN, EUCLIDEAN = 0, 1, 2
-OVERESTIMATE = (1.0, sqrt(2.0), 1.0)
-"""How many times too large each of them may be."""
-# Eight directions, counter-clockwise from +x; the odd ones are diagonal.
-D_ROW = np.array([0, 1, 1, 1, 0, -1, -1, -1])
-D_COL = np.array([1, 1, 0, -1, -1, -1, 0, 1])
-# What the map's marks say of a cell: 0 free and not seen yet; STEP + k reached by a step in
+# What the marks say of a cell that is no wall: 0 not seen yet; STEP + k reached by a step in
 # direction k, and done; WAITING + STEP + k reached likewise, and in a bucket.
-WALL, STEP, WAITING = 1, 2, 16
+STEP, WAITING = 2, 16
 ONE = 1024
 """Weights are counted in this part: even they are whole numbers."""
 
 
-def prepared(grid: GridMap) -> NDArray[np.uint8]:
-    """The map as the kernels see it: flat, with a wall around it.
+@njit(cache=True, inline="always")
+def times(weight, h):
+    """A weighted estimate, rounded down; weight h alone may be too large for 64 bits.
 
     Parameters
     ----------
-    grid : GridMap
-
-    Returns
-    -------
-    ndarray of uint8, shape ((rows + 2) (cols + 2),)
-        0 where free, ``WALL`` where not; cell (row, col) at (row + 1) (cols + 2) + col + 1.
-    """
-    return np.pad(~grid.free, 1, constant_values=True).view(np.uint8).ravel()
-
-
-@njit(cache=True)
-def estimate(rows, cols, heuristic):
-    """Cost of a way over (rows, cols), as if nothing stood in it.
-
-    Octile is exact on an empty map. The straight line is less than that. Manhattan is more, up to
-    √2 times: it counts a diagonal step as two. It trusts its input.
-
-    Parameters
-    ----------
-    rows, cols : int
-        Any sign.
-    heuristic : {OCTILE, MANHATTAN, EUCLIDEAN}
+    weight : int
+        In parts of ``ONE``.
+    h : int
 
     Returns
     -------
     int
     """
-    rows, cols = abs(rows), abs(cols)
-    if heuristic == OCTILE:
-        return STRAIGHT * max(rows, cols) + (DIAGONAL - STRAIGHT) * min(rows, cols)
-    if heuristic == MANHATTAN:
-        return STRAIGHT * (rows + cols)
-    # A little less than a step, or rounding would make it fall by more than the step costs.
-    return int((STRAIGHT - 2) * sqrt(rows * rows + cols * cols))
-
-
-@njit(cache=True, inline="always")
-def may_step(mark, width, cell, k, cut_corners):
-    """Whether a step from a cell in direction k meets no obstacle. It trusts its input.
-
-    Parameters
-    ----------
-    mark : ndarray of uint8, shape (n,)
-        As `prepared` makes it.
-    width : int
-        Columns of the map, the wall included.
-    cell : int
-    k : int
-        0 to 7, as in D_ROW and D_COL.
-    cut_corners : bool
-        Otherwise both cells beside a diagonal step must be free.
-
-    Returns
-    -------
-    bool
-    """
-    return mark[cell + D_ROW[k] * width + D_COL[k]] != WALL and (
-        k & 1 == 0
-        or cut_corners
-        or (mark[cell + D_ROW[k] * width] != WALL and mark[cell + D_COL[k]] != WALL)
-    )
-
-
-@njit(cache=True, inline="always")
-def is_needless(mark, width, cell, came, turn, cut_corners):
-    """Whether the cell before this one reaches a step's end as cheaply without this one.
-
-    Between two equally long ways, straight first or diagonally first, the second is kept. It
-    trusts its input.
-
-    Parameters
-    ----------
-    mark : ndarray of uint8, shape (n,)
-    width, cell : int
-    came : int
-        Direction of the step to this cell.
-    turn : int
-        By how many eighths the step from it turns to the left, -2 to 2: back it never pays.
-    cut_corners : bool
-
-    Returns
-    -------
-    bool
-    """
-    if turn == 0 or (came & 1 and abs(turn) == 1):
-        return False
-    if came & 1:  # diagonal and again: two straight steps are less, if nothing stands there
-        k = (came + turn // 2) & 7
-        beside = cell - D_ROW[came] * width - D_COL[came] + D_ROW[k] * width + D_COL[k]
-        return not cut_corners or mark[beside] != WALL
-    k = (came + 2 if turn > 0 else came - 2) & 7
-    if cut_corners:
-        return abs(turn) == 2 or mark[cell + D_ROW[k] * width + D_COL[k]] != WALL
-    return mark[cell - D_ROW[came] * width - D_COL[came] + D_ROW[k] * width + D_COL[k]] != WALL
+    return h // ONE * weight + h % ONE * weight // ONE
 
 
 @njit(cache=True)
@@ -161,6 +76,9 @@ def search(mark, width, ends, rules, cost, order, top, pool):
     long as a bucket spans no more than w - 1 steps (Likhachev 2003, and one bucket for those in
     the same bucket that came in the wrong order). Manhattan counts as √2 times a good estimate.
 
+    The buckets lie in a ring, because few of them hold anything at a time. A bucket is a pile of
+    entries; an entry is a cell and the number of the entry below it, 0 if there is none.
+
     It trusts its input.
 
     Parameters
@@ -171,79 +89,73 @@ def search(mark, width, ends, rules, cost, order, top, pool):
         Columns of the map, the wall included.
     ends : (int, int)
         Start and goal, free cells.
-    rules : (float, int, bool, bool, int)
-        Weight w of the estimate, the heuristic, whether corners may be cut, whether a cell is
-        gone on from only once, and the binary logarithm of what a bucket spans.
+    rules : (int, int, bool, int, ndarray of int64)
+        Weight w of the estimate in parts of ``ONE``, the heuristic, whether a cell is gone on
+        from only once, the binary logarithm of what a bucket spans, and the steps that are
+        `worthwhile`.
     cost : ndarray of int64, shape (n,)
         Takes g of the cells reached.
     order : ndarray of int32, shape (n,) or (0,)
         Takes 1, 2, 3 ... where the search went on from a cell, if there is room.
     top : ndarray of int32, shape (m,)
-        All -1. The buckets: the entry on top of each.
-    pool : ndarray of int32, shape (k, 2)
-        Room for entries: a cell, and the entry below it.
+        All 0, m a power of two. The buckets: the number of the entry on top of each.
+    pool : ndarray of int32, shape (2, k)
+        Room for entries: their cells, and the numbers of those below. Number 0 stays unused.
 
     Returns
     -------
     (int, int)
-        The number of cells is -1 if ``top`` or ``pool`` were too short.
+        The number of cells is -1 if ``top`` was too short and -2 if ``pool`` was.
     """
-    (start, goal), (weight, heuristic, cut_corners, once, shift) = ends, rules
+    (start, goal), (weight, heuristic, once, shift, worth) = ends, rules
     goal_row, goal_col = divmod(goal, width)
     row, col = divmod(start, width)
-    level = weight * estimate(row - goal_row, col - goal_col, heuristic) // ONE >> shift
-    if level >= len(top):
-        return NEVER, -1
-    cost[start], mark[start], top[level] = 0, WAITING + STEP, 0
-    pool[0] = start, -1
-    unused, spare, waiting = 1, -1, 1  # entries never used, and a stack of those given back
+    level = times(weight, estimate(row - goal_row, col - goal_col, heuristic)) >> shift
+    ring, highest = len(top) - 1, level  # & ring is modulo the number of buckets
+    which, below, steps = pool[0], pool[1], D_ROW * width + D_COL
+    cost[start], mark[start], top[level & ring] = 0, WAITING + STEP + NOWHERE, 1
+    which[1], below[1] = start, 0
+    spare, unused = 0, 2  # a pile of entries given back, and the first that never held anything
     best, expanded = (0 if start == goal else NEVER), 0
-    while waiting and level << shift < best:
-        entry = top[level]
-        if entry < 0:
+    while level <= highest and level << shift < best:
+        entry = top[level & ring]
+        if entry == 0:
             level += 1
             continue
-        cell = int(pool[entry, 0])  # wider than it is kept: costs are no 32-bit numbers
-        top[level], pool[entry, 1], spare = pool[entry, 1], spare, entry
-        waiting -= 1
-        if mark[cell] < WAITING:
+        cell = int(which[entry])  # wider than it is kept: costs are no 32-bit numbers
+        top[level & ring], below[entry], spare = below[entry], spare, entry
+        came = int(mark[cell]) - WAITING - STEP
+        if came < 0:
             continue  # another entry of this cell was better
-        mark[cell] -= WAITING
+        mark[cell] = STEP + came
         expanded += 1
         if len(order):
             order[cell] = expanded
         row, col = divmod(cell, width)
-        came = int(mark[cell]) - STEP
-        prune = not once and cell != start
-        for i in range(-3 if cell == start else 0, 5):
-            # ... -2, 2, -1, 1, 0: what comes last is taken up first, so it goes straight on
-            turn = 2 - (i >> 1) if i & 1 else (i >> 1) - 2
-            k = (came + turn) & 7
-            if prune and is_needless(mark, width, cell, came, turn, cut_corners):
-                continue
-            if not may_step(mark, width, cell, k, cut_corners):
-                continue
-            to = cell + D_ROW[k] * width + D_COL[k]
+        todo = worth[came, walls_around(mark, width, cell)]
+        while todo:
+            k, todo = todo & 7, todo >> 4
+            to = cell + steps[k]
             new = cost[cell] + (DIAGONAL if k & 1 else STRAIGHT)
             if mark[to] and (new >= cost[to] or (once and mark[to] < WAITING)):
                 continue
             h = estimate(row + D_ROW[k] - goal_row, col + D_COL[k] - goal_col, heuristic)
-            f = new + weight * h // ONE
+            f = new + times(weight, h)
             if f >= best:
                 continue
             cost[to], mark[to] = new, WAITING + STEP + k
             if to == goal:
                 best = new
-            level = min(level, f >> shift)
-            entry = spare if spare >= 0 else unused
-            if f >> shift >= len(top) or entry == len(pool):
+            level, highest = min(level, f >> shift), max(highest, f >> shift)
+            if highest - level > ring:
                 return NEVER, -1
-            if spare >= 0:
-                spare = pool[entry, 1]
+            if spare:
+                entry, spare = spare, below[spare]
+            elif unused < len(which):
+                entry, unused = unused, unused + 1
             else:
-                unused += 1
-            pool[entry, 0], pool[entry, 1], top[f >> shift] = to, top[f >> shift], entry
-            waiting += 1
+                return NEVER, -2
+            which[entry], below[entry], top[f >> shift & ring] = to, top[f >> shift & ring], entry
     return best, expanded
 
 

@@ -23,20 +23,22 @@ G. Gordon, S. Thrun, ARA*: Anytime A* with Provable Bounds on Sub-Optimality, NI
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 from math import floor, log2
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from robocon_course._arrays import as_floats
 from robocon_course.gridmap import GridMap
-from robocon_course.planning import search
+from robocon_course.planning import moves, search
 from robocon_course.planning.plans import Plan, Task, checked_task, no_way, plan_through
 
 HEURISTICS = {
-    "octile": search.OCTILE,
-    "manhattan": search.MANHATTAN,
-    "euclidean": search.EUCLIDEAN,
+    "octile": moves.OCTILE,
+    "manhattan": moves.MANHATTAN,
+    "euclidean": moves.EUCLIDEAN,
 }
 GREATEST_WEIGHT = 100.0
 LEAST_EXCESS = 0.1  # an estimate that is too large by less would need too many buckets
@@ -167,12 +169,12 @@ def anytime_astar(
     """
     task = checked_task(grid, start, goal, clearance)
     away = np.subtract(task.goal, task.start)
-    least = search.estimate(*away.tolist(), search.OCTILE) / search.STRAIGHT * grid.resolution
+    least = moves.estimate(*away.tolist(), moves.OCTILE) / moves.STRAIGHT * grid.resolution
     best = None
     for weight in weights:
         rules = _rules(weight, heuristic, cut_corners)
         plan = _find(task, rules, False)
-        w = max(1.0, rules.weight / search.ONE * search.OVERESTIMATE[rules.heuristic])
+        w = max(1.0, rules.weight / search.ONE * moves.OVERESTIMATE[rules.heuristic])
         least = max(least, (plan.length - (w - 1.0) * grid.resolution) / w)
         if best is None or plan.length < best.length:
             best = plan
@@ -187,46 +189,59 @@ class Rules(NamedTuple):
 
     weight: int
     heuristic: int
-    cut_corners: bool
     once: bool
     shift: int
+    worth: NDArray[np.int64]
+
+
+@cache
+def _worthwhile(cut_corners: bool, once: bool) -> NDArray[np.int64]:
+    """The table that every search by the same rules looks into."""
+    return moves.worthwhile(cut_corners, once)
 
 
 def _rules(weight: float, heuristic: str, cut_corners: bool) -> Rules:
     """Everything about the search that is not the map."""
-    if heuristic not in HEURISTICS:
+    if not isinstance(heuristic, str) or heuristic not in HEURISTICS:
         raise ValueError(f"heuristic: must be one of {', '.join(HEURISTICS)}, got {heuristic!r}")
+    weight = float(as_floats(weight, "weight", finite=False))
     if not 0.0 <= weight <= GREATEST_WEIGHT:
         raise ValueError(f"weight: must be from 0 to {GREATEST_WEIGHT:g}, got {weight!r}")
     code, parts = HEURISTICS[heuristic], floor(weight * search.ONE)
-    most = search.OVERESTIMATE[code] / search.ONE
+    most = moves.OVERESTIMATE[code] / search.ONE
     excess = parts * most - 1.0
     if 0.0 < excess < LEAST_EXCESS:
         parts, excess = floor(1.0 / most), 0.0
+    once = excess > 0.0
     # A bucket spans 2^shift, and no more than ``excess`` steps.
-    shift = min(30, floor(log2(excess * search.STRAIGHT))) if excess > 0.0 else 30
-    return Rules(parts, code, bool(cut_corners), excess > 0.0, shift)
+    shift = floor(log2(excess * moves.STRAIGHT)) if once else 30
+    return Rules(parts, code, once, shift, _worthwhile(bool(cut_corners), once))
 
 
 def _find(task: Task, rules: Rules, watch: bool) -> Plan:
     """The plan of one search."""
-    rows, cols = task.room.shape
-    width = cols + 2
+    width = task.room.shape[1] + 2
     start, goal = ((row + 1) * width + col + 1 for row, col in (task.start, task.goal))
-    cells = (rows + 2) * width
-    order = np.zeros(cells if watch else 0, np.int32)
-    cost = np.empty(cells, np.int64)
-    levels, entries, expanded = 2 * (rows + cols) + 512, cells // 8 + 2048, -1
-    while expanded < 0:  # once, but in a maze
-        levels, entries = 2 * levels, 2 * entries
-        mark = search.prepared(task.room)
-        top, pool = np.full(levels, -1, np.int32), np.empty((entries, 2), np.int32)
-        found, expanded = search.search(
-            mark, width, (start, goal), tuple(rules), cost, order, top, pool
-        )
-    if found == search.NEVER:
-        raise no_way(task, int((mark > search.WALL).sum()))
+    mark, order, expanded = _searched(task, (start, goal), rules, watch)
     flat = search.trace(mark, width, start, goal)
     way = np.column_stack([flat // width - 1, flat % width - 1])
-    seen = order.reshape(-1, width)[1:-1, 1:-1].copy() if watch else None
+    seen = order.reshape(-1, width)[1:-1, 1:-1] if watch else None
     return plan_through(task.room, way, expanded, seen)
+
+
+def _searched(
+    task: Task, ends: tuple[int, int], rules: Rules, watch: bool
+) -> tuple[NDArray[np.uint8], NDArray[np.int32], int]:
+    """Marks that lead back from the goal, the order of the cells, and how many there were."""
+    rows, cols = task.room.shape
+    cells = (rows + 2) * (cols + 2)
+    cost, order = np.empty(cells, np.int64), np.zeros(cells if watch else 0, np.int32)
+    levels, entries, expanded = 4096, cells // 16 + 1024, -1
+    while expanded < 0:  # hardly ever twice
+        mark = moves.prepared(task.room)
+        top, pool = np.zeros(levels, np.int32), np.empty((2, entries), np.int32)
+        found, expanded = search.search(mark, cols + 2, ends, tuple(rules), cost, order, top, pool)
+        levels, entries = (2 * levels, entries) if expanded == -1 else (levels, 2 * entries)
+    if found == moves.NEVER:
+        raise no_way(task, int((mark > moves.WALL).sum()))
+    return mark, order, expanded

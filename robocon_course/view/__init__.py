@@ -1,9 +1,10 @@
 """Figures and sliders: this room draws what it is given and decides nothing.
 
 ``canvas`` holds the style and what shows a figure; ``plots``, ``motion``, ``runs`` and ``tracking``
-the plots of the chapters, ``field_picture`` the field with robots (``body``) and paths on it.
-``comparison`` is the picture of a wrong answer, ``pictures`` the three big drawings, ``widgets``
-the sliders, and ``driving`` a robot under one's own hands.
+the plots of the chapters, ``field_picture`` the field with robots (``body``) and paths on it,
+``searching`` maps, ways and how a search went. ``comparison`` is the picture of a wrong answer,
+``pictures`` the three big drawings, ``widgets`` the sliders, and ``driving`` a robot under one's own
+hands.
 """
 
 from robocon_course.view.animation import animate
@@ -22,6 +23,7 @@ from robocon_course.view.plots import (
     plot_tilt_error,
 )
 from robocon_course.view.runs import plot_distribution
+from robocon_course.view.searching import animate_search, draw_ways
 from robocon_course.view.tracking import (
     plot_path_errors,
     plot_pursuit,
@@ -36,10 +38,12 @@ __all__ = [
     "WHOLE_FIELD",
     "RobotPicture",
     "animate",
+    "animate_search",
     "draw_field",
     "draw_plan",
     "draw_robot",
     "draw_system",
+    "draw_ways",
     "drive",
     "explore",
     "figure",

@@ -1,16 +1,6 @@
 """Student number -> seed -> a world of one's own, the same to the bit on every machine.
 
-=============  ====================================================
-``student``    student numbers, and draws that belong to one
-``imu``        chapter 01: a phone's IMU and its logs
-``robot``      one student's robot, not quite as drawn
-``swerve``     chapter 03: its modules, a log of them, and a wet floor
-``practice``   chapter 05: a cart of one's own, carts and paths nobody has seen
-``wheels``     chapter 02: its dead wheels and the logs they recorded
-``drive``      drives of that robot in the simulator
-``to_area_3``  the drive that it plans and follows by itself
-=============  ====================================================
-"""
+=============  ============================================="""
 
 from robocon_course.worlds.drive import (
     DRIVES,
@@ -45,6 +35,19 @@ from robocon_course.worlds.robot import own_robot, own_wheels
 from robocon_course.worlds.student import Student, generator, student_number
 from robocon_course.worlds.swerve import SlipLog, SwerveWorld, slip_log, swerve_world
 from robocon_course.worlds.to_area_3 import FieldDrive, calibrated_wheels, field_drive
+from robocon_course.worlds.ways import (
+    HALF,
+    RAMP_TOP,
+    WaysWorld,
+    boxed_field,
+    driving_time,
+    passable_field,
+    strewn_boxes,
+    way_length,
+    ways_world,
+    widest_half,
+    wrong_lengths,
+)
 from robocon_course.worlds.wheels import (
     BITS,
     RUN,
@@ -64,9 +67,11 @@ __all__ = [
     "BITS",
     "DRIVES",
     "DT",
+    "HALF",
     "LEAN",
     "MATCH",
     "PUBLISHED",
+    "RAMP_TOP",
     "RUN",
     "SOURCE_PATHS",
     "SPIN",
@@ -81,10 +86,13 @@ __all__ = [
     "SlipLog",
     "Student",
     "SwerveWorld",
+    "WaysWorld",
     "WheelLog",
+    "boxed_field",
     "bumps",
     "calibrated_wheels",
     "drive_log",
+    "driving_time",
     "failures",
     "field_drive",
     "finely",
@@ -96,6 +104,7 @@ __all__ = [
     "own_imu",
     "own_robot",
     "own_wheels",
+    "passable_field",
     "practice_world",
     "random_legs",
     "rest_means",
@@ -104,8 +113,13 @@ __all__ = [
     "simulated_drive",
     "slip_log",
     "some_cart",
+    "strewn_boxes",
     "student_number",
     "swerve_world",
+    "way_length",
+    "ways_world",
     "wheel_log",
+    "widest_half",
     "winding_path",
+    "wrong_lengths",
 ]

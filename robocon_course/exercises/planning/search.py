@@ -1,0 +1,284 @@
+"""A*, and how people get it wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from heapq import heappop, heappush
+from math import inf
+
+import numpy as np
+
+from robocon_course import field, worlds
+from robocon_course.exercises.model import Case, Exercise, Mistake
+from robocon_course.exercises.planning.maps import (
+    Cell,
+    drawn_grid,
+    point_in,
+    some_ends,
+    some_grid,
+    way_of,
+)
+from robocon_course.exercises.planning.same_way import looked_at, way_case
+from robocon_course.gridmap import GridMap, inflate_square
+from robocon_course.planning import NoPathError, Plan, astar, plan_through
+from robocon_course.planning.steps import DIRECTIONS, ROOT_2
+from robocon_course.worlds import Student
+
+Estimate = Callable[[Cell, Cell, Cell], float]
+"""``h(cell, goal, start)`` in cells."""
+
+
+def to_goal(cell: Cell, goal: Cell, start: Cell) -> float:
+    """Octile distance, as the kernel counts it, without a door."""
+    a, b = abs(cell[0] - goal[0]), abs(cell[1] - goal[1])
+    return max(a, b) + (ROOT_2 - 1.0) * min(a, b)
+
+
+def manhattan(cell: Cell, goal: Cell, start: Cell) -> float:
+    """Rows and columns that are left."""
+    return float(abs(cell[0] - goal[0]) + abs(cell[1] - goal[1]))
+
+
+def from_start(cell: Cell, goal: Cell, start: Cell) -> float:
+    """The distance from the start, which two sources call h."""
+    return to_goal(cell, start, goal)
+
+
+def as_it_is(grid: GridMap, point: np.ndarray) -> Cell:
+    """The cell of a point."""
+    row, col = grid.cells(point).tolist()
+    return row, col
+
+
+def plain_astar(
+    *,
+    h: Estimate = to_goal,
+    directions: tuple[Cell, ...] = DIRECTIONS,
+    corners: bool = False,
+    diagonal: float = ROOT_2,
+    greedy: bool = False,
+    seen: bool = False,
+    cell_of: Callable[[GridMap, np.ndarray], Cell] = as_it_is,
+    order: slice = slice(None),
+    none: bool = False,
+    ask: bool = True,
+) -> Callable[..., Plan | None]:
+    """A* in plain Python with one thing done wrongly.
+
+    ``seen`` closes a cell when it is first seen; ``none`` returns None where there is no way, and
+    without ``ask`` the start may lie in an obstacle. To stop when the goal is first seen is none of
+    them: beside the goal the octile distance is the step itself, so it makes no difference.
+    """
+
+    def function(grid: GridMap, start: np.ndarray, goal: np.ndarray) -> Plan | None:
+        (rows, cols), free = grid.shape, grid.free.tolist()
+        first, last = cell_of(grid, start), cell_of(grid, goal)
+
+        def is_free(row: int, col: int) -> bool:
+            return 0 <= row < rows and 0 <= col < cols and free[row][col]
+
+        def steps(cell: Cell) -> list[tuple[Cell, float]]:
+            row, col = cell
+            return [
+                ((row + dr, col + dc), diagonal if dr and dc else 1.0)
+                for dr, dc in directions
+                if is_free(row + dr, col + dc)
+                and (
+                    corners
+                    or not (dr and dc)
+                    or (is_free(row + dr, col) and is_free(row, col + dc))
+                )
+            ]
+
+        cost, came, done = {first: 0.0}, {first: first}, set()
+        queue = [(0.0, first)] if is_free(*first) or not ask else []
+        while queue:
+            _, cell = heappop(queue)
+            if cell in done:
+                continue
+            done.add(cell)
+            if cell == last:
+                break
+            for to, step in steps(cell):
+                new = cost[cell] + step
+                if to in done or (seen and to in cost) or new >= cost.get(to, inf):
+                    continue
+                cost[to], came[to] = new, cell
+                heappush(queue, (h(to, last, first) + (0.0 if greedy else new), to))
+        if last not in cost:
+            if none:
+                return None
+            raise NoPathError("no way", "enclosed")
+        way = [last]
+        while way[-1] != first:
+            way.append(came[way[-1]])
+        return plan_through(grid, way[::-1][order], len(done))
+
+    return function
+
+
+def _upside_down(grid: GridMap, point: np.ndarray) -> Cell:
+    row, col = as_it_is(grid, point)
+    return grid.shape[0] - 1 - row, col
+
+
+def _without_origin(grid: GridMap, point: np.ndarray) -> Cell:
+    x, y = point
+    return int(y / grid.resolution), int(x / grid.resolution)
+
+
+WRONG = {
+    "manhattan": plain_astar(h=manhattan),
+    "diagonal": plain_astar(diagonal=1.0),
+    "seen": plain_astar(seen=True),
+    "greedy": plain_astar(greedy=True),
+}
+"""Whether these find a longer way depends on the map."""
+SMALL = "....... ..###.. ..#.#.. ..###.. ......."
+
+
+def trap(rng: np.random.Generator, wrong: Callable[..., Plan | None]) -> tuple:
+    """A map of one's own on which a wrong search finds a way that is too long."""
+    while True:
+        grid = some_grid(rng, 16, 20, 0.3)
+        ends = some_ends(rng, grid)
+        best = way_of(grid, *ends)
+        if best and wrong(grid, *ends).length > best.length + 0.1 * grid.resolution:
+            return grid, *ends
+
+
+def _cases(student: Student, rng: np.random.Generator) -> list[Case]:
+    walled = drawn_grid(SMALL, 0.5, (-1.0, 2.0))
+    empty = GridMap(np.ones((41, 45), dtype=bool), 0.1, (-0.5, 0.3))
+    middle, aside = (20, 22), (int(rng.integers(28, 36)), int(rng.integers(36, 44)))
+    ends = [point_in(rng, empty, cell) for cell in (middle, aside)]
+    here, there, inside, solid = (
+        point_in(rng, walled, c) for c in ((0, 1), (4, 5), (2, 3), (1, 3))
+    )
+    cases = [
+        way_case("around a walled cell", walled, here, there),
+        way_case("the goal is walled in", walled, here, inside),
+        way_case("the start lies in an obstacle", walled, solid, here),
+        way_case("start and goal in one cell", walled, there, there + 0.01),
+        way_case(
+            "an empty room", empty, *ends, most=10 + 2 * looked_at(empty.shape, middle, aside)
+        ),
+    ]
+    cases += [way_case("a map of your own", *trap(rng, wrong)) for wrong in WRONG.values()]
+    room = inflate_square(worlds.passable_field(rng), worlds.HALF)
+    ends = (np.array(field.START), np.array(field.AREA_3_GOAL))
+    whole = "the game field with boxes"
+    return [*cases, way_case(whole, room, *ends, timed="The way over the field")]
+
+
+ASTAR = Exercise(
+    id="planning.astar",
+    title="A*: the shortest way",
+    points=5,
+    reference=astar,
+    shortcuts=(
+        "robocon_course.planning.shortest.anytime_astar",
+        "robocon_course.planning.search.search",
+        "robocon_course.planning.replanning.Replanner.plan",
+        "robocon_course.planning.replanning.repair",
+    ),
+    cases=_cases,
+    time_limit=40.0,
+    hints=(
+        "Keep three things: cost[cell] so far, came_from[cell], and a heap of (cost + h, cell). "
+        "Take the smallest, and look at its neighbours.",
+        "A neighbour is worth an entry if it was never reached or is reached more cheaply now: "
+        "new = cost[cell] + step; if new < cost.get(to, math.inf). Take notice of cells taken out "
+        "before, and leave them out.",
+        "Stop when the goal is taken from the heap, not when it is seen. Then go back along "
+        "came_from until you stand at the start, and turn the list round.",
+        "If the heap is empty first, raise planning.NoPathError('no way', 'enclosed'). A start "
+        "that is not free has no way either: grid.is_free(start).",
+    ),
+    mistakes=(
+        Mistake(
+            "Manhattan",
+            "h is the Manhattan distance. With diagonal steps it is more than what is left, so a "
+            "better way may never be looked at. Use octile_distance.",
+            WRONG["manhattan"],
+        ),
+        Mistake(
+            "corners cut",
+            "Diagonal steps pass obstacles' corners. Both cells beside such a step have to be "
+            "free: use your neighbours.",
+            plain_astar(corners=True),
+        ),
+        Mistake(
+            "four neighbours",
+            "The way has no diagonal steps. Every cell has eight neighbours.",
+            plain_astar(directions=DIRECTIONS[::2], h=manhattan),
+        ),
+        Mistake(
+            "diagonal for one",
+            "A diagonal step counts like a straight one here: zigzags cost nothing. It costs √2.",
+            WRONG["diagonal"],
+        ),
+        Mistake(
+            "closed when seen",
+            "A cell that was seen once never becomes cheaper here. Compare costs: new < cost[to] "
+            "is worth a second entry.",
+            WRONG["seen"],
+        ),
+        Mistake(
+            "only h",
+            "The heap is sorted by h alone. That runs straight at the goal and forgets how far it "
+            "has come: sort by cost + h.",
+            WRONG["greedy"],
+        ),
+        Mistake(
+            "h does not look to the goal",
+            "The search spreads to all sides. h is left out, or it is the distance from the start, "
+            "as two theses print it. It has to be the distance from the cell to the goal.",
+            plain_astar(h=from_start),
+        ),
+        Mistake(
+            "from goal to start",
+            "The way runs from goal to start. Going back along came_from gives it the wrong way "
+            "round: reverse it.",
+            plain_astar(order=slice(None, None, -1)),
+        ),
+        Mistake(
+            "start left out",
+            "The first cell of the way is missing. Start and goal belong to it.",
+            plain_astar(order=slice(1, None)),
+        ),
+        Mistake(
+            "goal left out",
+            "The last cell of the way is missing. Start and goal belong to it.",
+            plain_astar(order=slice(None, -1)),
+        ),
+        Mistake(
+            "row and column swapped",
+            "x and y were taken for row and column. grid.cells(point) gives (row, col): y first.",
+            plain_astar(cell_of=lambda grid, point: as_it_is(grid, point)[::-1]),
+        ),
+        Mistake(
+            "y down",
+            "Rows are counted from above, as in a picture. Row 0 lies at the smallest y.",
+            plain_astar(cell_of=_upside_down),
+        ),
+        Mistake(
+            "origin forgotten",
+            "The map's origin was forgotten: cell (0, 0) does not begin at (0, 0) m. Use "
+            "grid.cells(point).",
+            plain_astar(cell_of=_without_origin),
+        ),
+        Mistake(
+            "None for no way",
+            "Where there is no way this returns None, and whoever drives it finds out later. "
+            "Raise planning.NoPathError with the reason.",
+            plain_astar(none=True),
+        ),
+        Mistake(
+            "start not asked",
+            "A start in an obstacle is not noticed. Ask grid.is_free(start), and raise "
+            "planning.NoPathError.",
+            plain_astar(ask=False),
+        ),
+    ),
+)
