@@ -809,7 +809,7 @@ def widest(name, poses):
 # %%
 driven = {
     name: {
-        "wrong: to the waypoints": by_bearing(corners, 0.38),
+        "to the waypoints": by_bearing(corners, 0.38),
         "reference: pursuit": pursue(name, 0.38).poses,
     }
     for name, corners in worlds.SOURCE_PATHS.items()
@@ -851,7 +851,7 @@ for (speed, scheme), band in rows.items():
 
 # %%
 fig, panels = figure(8.2, 3.0, columns=2, sharey=True)
-paint = {"published": "0.75", "to waypoints": plots.WARN, "pursuit": plots.REFERENCE}
+paint = {"published": "0.75", "to waypoints": plots.MINE, "pursuit": plots.REFERENCE}
 for ax, axis in zip(panels, (0, 1)):
     for row, ((speed, scheme), (low, high)) in enumerate(rows.items()):
         width = 100 * (high[axis] - low[axis])

@@ -69,7 +69,5 @@ class Cart:
         before = self.model.ticks(self.state)
         command = wheel_speeds(speed, turn, self.model)
         self.state = differential_step(self.state, command, DT, self.model)
-        left, right = (
-            (self.model.ticks(self.state) - before) * self.model.metres_per_tick
-        ).tolist()
-        self.pose = np.array(roll(*self.pose.tolist(), left, right, self.model.wheel_base))
+        rolled = self.model.metres_per_tick * (self.model.ticks(self.state) - before)
+        self.pose = np.array(roll(*self.pose.tolist(), *rolled.tolist(), self.model.wheel_base))

@@ -84,7 +84,8 @@ OWN_PERIOD = Number(
     tolerance=0.006,
     unit="s",
     hints=(
-        "From one crest to the next, on average over several.",
+        "At the gain where the swing neither dies nor grows, look at world.swing(gain) over time.",
+        "From one crest to the next, on average over several; a sample lasts 10 ms.",
         "tracking.find_oscillation(world.swing(gain), 0.01).period at the critical gain.",
     ),
     mistakes=(
