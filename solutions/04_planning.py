@@ -456,9 +456,10 @@ def draw_weight(weight):
     """The search on your field with one weight."""
     found = planning.astar(room, world.start, world.goal, weight=weight, watch=True)
     fig = draw_ways(world.grid, {"reference": found.xy}, room=room, plan=found, markers=marks)
+    one = next(planning.anytime_astar(room, world.start, world.goal, weights=[weight]))
     return fig, (
-        f"Weight {weight:g}: {found.expanded} cells, a way of {found.length:.2f} m, "
-        f"{100 * (found.length / plan.length - 1):.1f} % longer than the shortest."
+        f"Weight {weight:g}: {found.expanded} cells, a way of {found.length:.2f} m. It is at most "
+        f"{one.bound:.2f} times as long as the shortest, and really {found.length / plan.length:.3f} times."
     )
 
 
@@ -605,7 +606,7 @@ show(
 # look → know more → does something stand in the plan? → plan from here → one cell on
 #
 # Every obstacle that stops it is one more that it knows. So at last it arrives, or knows that there
-# is no way.
+# is no way. In the figure rings show where it planned anew.
 
 
 # %%
@@ -625,7 +626,7 @@ show(
         world.truth,
         {"raw: first plan": first.xy, "reference: driven": journey.xy},
         room=square_room(world.grid),
-        markers={"plans anew": planning.thin_path(turns, 0.5)} if turns else marks,
+        markers={"": turns} if turns else marks,
     ),
     f"Through {len(world.hidden)} boxes that it does not know the robot plans anew {len(turns)} times, "
     f"and drives {driven:.2f} m in the place of {first.length:.2f} m.",
@@ -696,7 +697,8 @@ show(
 # %% [markdown]
 # ## 11. Break it
 #
-# Mistakes that real teams make. How much of each planned way has no room for the robot?
+# Mistakes that real teams make. How much of each planned way has no room for the robot? A weight
+# that is too large keeps its room, and takes its time.
 
 
 # %%
@@ -722,6 +724,7 @@ broken = {
     "map one cell off": plan_on(GridMap(free, cm5, (origin[0] + cm5, origin[1]))),
     "boxes forgotten": plan_on(field.obstacle_map(0.05)),
     "thinned to 1 m": planning.thin_path(plan.xy, 1.0),
+    "weight 20": planning.astar(room, world.start, world.goal, weight=20.0).xy,
 }
 for name, xy in broken.items():
     print(f"{name:17s} {planning.path_length(xy):6.2f} m, {without_room(xy):5.1f} % without room")

@@ -110,8 +110,8 @@ SMOOTH_PATH = Exercise(
         "planning.path_curvature is above the limit.",
         "There push the point inwards, along p[i-1] - 2 p[i] + p[i+1], and its neighbours half as "
         "much outwards. Move a point only if both neighbours still see it.",
-        "push = (p[i-1] - 2 * p[i] + p[i+1]) * (1 - 0.95 * max_curvature / bend) / 4, with the bend "
-        "that point i has now; move i by 2 * push and i ± 1 by -push; again and again, until "
+        "push = (p[i-1] - 2 * p[i] + p[i+1]) * (1 - 0.95 * max_curvature / bend) / 4, with the "
+        "bend that point i has now; move i by 2 * push and i ± 1 by -push; again and again, until "
         "nothing bends too much.",
     ),
     mistakes=(
