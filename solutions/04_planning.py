@@ -264,9 +264,8 @@ octile_distance = check("planning.octile_distance")
 # ## 6. Which steps are open
 #
 # Eight neighbours, if they are free and in the map. A diagonal step passes between two more cells.
-# If one of them is blocked, the step cuts its corner. On an inflated map it would still touch
-# nothing there; but two blocked cells that meet at a corner would let the robot through between
-# them. So **both** have to be free.
+# If one of them is blocked, the step cuts its corner. If both are, it slips through where they
+# meet. So **both** have to be free.
 
 # %%
 between = GridMap(np.array([[1, 1, 0, 1, 1], [1, 1, 0, 1, 1], [1, 1, 1, 0, 0]], dtype=bool), 1.0)
@@ -878,8 +877,8 @@ print(
 )
 
 # %% [markdown]
-# **Eight directions.** Its robot turns in steps of 45°, and drives from cell to cell. Published: 4.8 %
-# error in distance, 4.34 % in heading, up to one cell off. How much longer than the straight line
+# **Eight directions.** Its robot drives from cell to cell. Published: 4.8 % error in distance, 4.34 %
+# in heading, up to one cell off. How much longer than the straight line
 # are ways in eight directions, on an empty floor?
 
 # %%
@@ -970,9 +969,9 @@ show(
 # the bends: nowhere more than `max_curvature`, and every leg between two points in free cells.
 #
 # It is judged by the time that the robot takes, with 2 m/s, 2 m/s² along the way and 3 m/s² across
-# it. Where a bend is tighter than allowed by a quarter, it stops. On the worst of three fields up to
-# 6 % more time than on the course's own way earns all points, up to 10 % half of them. The way as
-# it comes takes 12 % more, or worse.
+# it. Where a bend is tighter than allowed by a quarter, it stops. What the course's own way gains
+# against the way as it comes counts as 100 %. Miss at most 40 % of it on the worst of three fields,
+# and you earn all points; at most 85 %, and you earn half.
 #
 # Ideas: spread points over the legs, 5 cm apart, and keep the corners. Look where it bends too
 # much (`planning.path_curvature`). Push that point inwards, and its neighbours half as much outwards.
