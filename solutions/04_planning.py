@@ -264,9 +264,8 @@ octile_distance = check("planning.octile_distance")
 # ## 6. Which steps are open
 #
 # Eight neighbours, if they are free and in the map. A diagonal step passes between two more cells.
-# If one of them is blocked, the step cuts its corner. On an inflated map it would still touch
-# nothing there; but two blocked cells that meet at a corner would let the robot through between
-# them. So **both** have to be free.
+# If one of them is blocked, the step cuts its corner. If both are, it slips through where they
+# meet. So **both** have to be free.
 
 # %%
 between = GridMap(np.array([[1, 1, 0, 1, 1], [1, 1, 0, 1, 1], [1, 1, 1, 0, 0]], dtype=bool), 1.0)
@@ -456,9 +455,10 @@ def draw_weight(weight):
     """The search on your field with one weight."""
     found = planning.astar(room, world.start, world.goal, weight=weight, watch=True)
     fig = draw_ways(world.grid, {"reference": found.xy}, room=room, plan=found, markers=marks)
+    one = next(planning.anytime_astar(room, world.start, world.goal, weights=[weight]))
     return fig, (
-        f"Weight {weight:g}: {found.expanded} cells, a way of {found.length:.2f} m, "
-        f"{100 * (found.length / plan.length - 1):.1f} % longer than the shortest."
+        f"Weight {weight:g}: {found.expanded} cells, a way of {found.length:.2f} m. It is at most "
+        f"{one.bound:.2f} times as long as the shortest, and really {found.length / plan.length:.3f} times."
     )
 
 
@@ -605,7 +605,7 @@ show(
 # look → know more → does something stand in the plan? → plan from here → one cell on
 #
 # Every obstacle that stops it is one more that it knows. So at last it arrives, or knows that there
-# is no way.
+# is no way. In the figure rings show where it planned anew.
 
 
 # %%
@@ -625,7 +625,7 @@ show(
         world.truth,
         {"raw: first plan": first.xy, "reference: driven": journey.xy},
         room=square_room(world.grid),
-        markers={"plans anew": planning.thin_path(turns, 0.5)} if turns else marks,
+        markers={"": turns} if turns else marks,
     ),
     f"Through {len(world.hidden)} boxes that it does not know the robot plans anew {len(turns)} times, "
     f"and drives {driven:.2f} m in the place of {first.length:.2f} m.",
@@ -696,7 +696,8 @@ show(
 # %% [markdown]
 # ## 11. Break it
 #
-# Mistakes that real teams make. How much of each planned way has no room for the robot?
+# Mistakes that real teams make. How much of each planned way has no room for the robot? A weight
+# that is too large keeps its room, and takes its time.
 
 
 # %%
@@ -722,6 +723,7 @@ broken = {
     "map one cell off": plan_on(GridMap(free, cm5, (origin[0] + cm5, origin[1]))),
     "boxes forgotten": plan_on(field.obstacle_map(0.05)),
     "thinned to 1 m": planning.thin_path(plan.xy, 1.0),
+    "weight 20": planning.astar(room, world.start, world.goal, weight=20.0).xy,
 }
 for name, xy in broken.items():
     print(f"{name:17s} {planning.path_length(xy):6.2f} m, {without_room(xy):5.1f} % without room")
@@ -875,8 +877,8 @@ print(
 )
 
 # %% [markdown]
-# **Eight directions.** Its robot turns in steps of 45°, and drives from cell to cell. Published: 4.8 %
-# error in distance, 4.34 % in heading, up to one cell off. How much longer than the straight line
+# **Eight directions.** Its robot drives from cell to cell. Published: 4.8 % error in distance, 4.34 %
+# in heading, up to one cell off. How much longer than the straight line
 # are ways in eight directions, on an empty floor?
 
 # %%
@@ -967,9 +969,9 @@ show(
 # the bends: nowhere more than `max_curvature`, and every leg between two points in free cells.
 #
 # It is judged by the time that the robot takes, with 2 m/s, 2 m/s² along the way and 3 m/s² across
-# it. Where a bend is tighter than allowed by a quarter, it stops. On the worst of three fields up to
-# 6 % more time than on the course's own way earns all points, up to 10 % half of them. The way as
-# it comes takes 12 % more, or worse.
+# it. Where a bend is tighter than allowed by a quarter, it stops. What the course's own way gains
+# against the way as it comes counts as 100 %. Miss at most 40 % of it on the worst of three fields,
+# and you earn all points; at most 85 %, and you earn half.
 #
 # Ideas: spread points over the legs, 5 cm apart, and keep the corners. Look where it bends too
 # much (`planning.path_curvature`). Push that point inwards, and its neighbours half as much outwards.

@@ -193,7 +193,7 @@ def test_the_kernel_read_as_plain_python_does_the_same(monkeypatch):
     grid = GridMap(rng.random((30, 30)) > 0.25, 1.0)
     start, goal = nearest_free(grid, [5.0, 5.0]), nearest_free(grid, [28.0, 28.0])
     compiled = [astar(grid, start, goal, weight=w, watch=True) for w in (1.0, 1.5)]
-    for name in ("search", "trace", "times", "estimate", "walls_around"):
+    for name in ("search", "trace", "left", "estimate", "walls_around"):
         monkeypatch.setattr(search, name, getattr(search, name).py_func)
     for plan, w in zip(compiled, (1.0, 1.5), strict=True):
         plain = astar(grid, start, goal, weight=w, watch=True)

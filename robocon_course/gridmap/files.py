@@ -13,7 +13,8 @@ what a pixel holds:
 ``raw``      the occupancy in per cent; above 100 the cell is unknown
 ===========  =====================================================================================
 
-The top row of the image is the largest y.
+The top row of the image is the largest y. A map whose origin has a yaw lies turned about it; it is
+laid on rows along x again, and loses up to a cell of free room along its obstacles.
 
 Source: map_server of ROS, section Map format, https://wiki.ros.org/map_server, and its image
 loader for the alpha channel and for ``raw``.
@@ -21,6 +22,7 @@ loader for the alpha channel and for ``raw``.
 
 from __future__ import annotations
 
+from math import cos, pi, sin
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray, as_floats
-from robocon_course.gridmap.grid import BoolArray, GridMap
+from robocon_course.gridmap.grid import BoolArray, GridMap, inflate
 from robocon_course.gridmap.octile import load_octile
 
 if TYPE_CHECKING:
@@ -37,6 +39,8 @@ if TYPE_CHECKING:
 REQUIRED = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 MODES = ("trinary", "scale", "raw")
 WHITE, DEEP_WHITE = 255, 65535
+ALIGNED = 0.05
+"""So little may the far end of a turned map be off, and its angle counts as a right one [cells]."""
 FREE, OCCUPIED = 254, 0
 """Grey values that `save_map` writes, those of ROS' map_saver."""
 
@@ -53,15 +57,15 @@ def load_map(path: str | Path) -> GridMap:
     Returns
     -------
     GridMap
-        Free cells; unknown ones are not free.
+        Free cells; unknown ones are not free, nor is what lies beside a map that was turned.
 
     Raises
     ------
     FileNotFoundError
         No such file, or no such image.
     ValueError
-        A key is missing or makes no sense, the map is turned (yaw other than 0), or the image
-        cannot be read. Or the ``.map`` file is broken; the message says where.
+        A key is missing or makes no sense, or the image cannot be read. Or the ``.map`` file is
+        broken; the message says where.
     """
     path = Path(path)
     if not path.is_file():
@@ -69,7 +73,7 @@ def load_map(path: str | Path) -> GridMap:
     if path.suffix.lower() == ".map":
         return load_octile(path)
     about = _read_yaml(path)
-    resolution, origin, thresholds = _numbers(about, path)
+    resolution, (x, y, yaw), thresholds = _numbers(about, path)
     if thresholds[1] > thresholds[0]:
         raise ValueError(f"{path}: free_thresh must not be above occupied_thresh; mend the file")
     mode, negate = str(about.get("mode", "trinary")).lower(), about["negate"]
@@ -78,8 +82,8 @@ def load_map(path: str | Path) -> GridMap:
     if negate not in (0, 1):
         raise ValueError(f"{path}: negate must be 0 or 1, got {negate!r}")
     pixels = _read_image(_image_of(about["image"], path))
-    free = _free(pixels, mode, bool(negate), thresholds[1])
-    return GridMap(free[::-1], resolution, origin)
+    free, corner = _turned(_free(pixels, mode, bool(negate), thresholds[1])[::-1], yaw)
+    return GridMap(free, resolution, (x + resolution * corner[0], y + resolution * corner[1]))
 
 
 def save_map(grid: GridMap, path: str | Path, *, image: str = "png") -> None:
@@ -145,11 +149,11 @@ def _read_yaml(path: Path) -> dict[str, Any]:
     return about
 
 
-def _numbers(about: dict[str, Any], path: Path) -> tuple[float, tuple[float, float], FloatArray]:
-    """Resolution, origin (x, y) and thresholds (occupied, free)."""
+def _numbers(about: dict[str, Any], path: Path) -> tuple[float, list[float], FloatArray]:
+    """Resolution, origin (x, y, yaw) and thresholds (occupied, free)."""
     try:
         resolution = float(as_floats(about["resolution"], "resolution"))
-        x, y, yaw = as_floats(about["origin"], "origin", 3)
+        origin = as_floats(about["origin"], "origin", 3).tolist()
         thresholds = as_floats([about["occupied_thresh"], about["free_thresh"]], "thresholds", 2)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
@@ -157,12 +161,7 @@ def _numbers(about: dict[str, Any], path: Path) -> tuple[float, tuple[float, flo
         raise ValueError(
             f"{path}: resolution must be a positive number of metres, got {resolution}"
         )
-    if yaw != 0.0:
-        raise ValueError(
-            f"{path}: the map is turned by {yaw} rad, but its rows must lie along x; "
-            "turn the image instead and set the third number of origin to 0"
-        )
-    return resolution, (float(x), float(y)), thresholds
+    return resolution, origin, thresholds
 
 
 def _image_of(name: object, path: Path) -> Path:
@@ -216,3 +215,23 @@ def _free(
     p = np.floor(value) / 100.0 if mode == "raw" else (WHITE - value) / WHITE
     free = (p < free_thresh)[total]
     return free & (pixels[..., 3:] == white).all(axis=-1) if mode == "scale" else free
+
+
+def _turned(free: BoolArray, yaw: float) -> tuple[BoolArray, tuple[float, float]]:
+    """A map turned about the corner of cell (0, 0), and its new corner from there [cells]."""
+    if yaw == 0.0:
+        return free, (0.0, 0.0)
+    right = round(yaw / (pi / 2.0)) * pi / 2.0
+    if abs(yaw - right) * max(free.shape) < ALIGNED:
+        yaw = right
+    else:
+        # A new cell overlaps with the old one its middle lies in, and with some around that.
+        free = inflate(GridMap(free, 1.0), 1e-3).free
+    (rows, cols), c, s = free.shape, cos(yaw), sin(yaw)
+    corners = np.array([(0, 0), (cols, 0), (0, rows), (cols, rows)]) @ [(c, s), (-s, c)]
+    low, high = np.floor(corners.min(axis=0) + 1e-9), np.ceil(corners.max(axis=0) - 1e-9)
+    x, y = np.arange(low[0], high[0]) + 0.5, np.arange(low[1], high[1])[:, None] + 0.5
+    col, row = np.floor(c * x + s * y).astype(int), np.floor(c * y - s * x).astype(int)
+    inside = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
+    turned = inside & free[row.clip(0, rows - 1), col.clip(0, cols - 1)]
+    return turned, (float(low[0]), float(low[1]))

@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from robocon_course.planning.moves import (  # noqa: F401, the others are for those who search, too
+from robocon_course.planning.moves import (  # noqa: F401, some are only handed on
     D_COL,
     D_ROW,
     DIAGONAL,
@@ -47,20 +47,22 @@ ONE = 1024
 
 
 @njit(cache=True, inline="always")
-def times(weight, h):
-    """A weighted estimate, rounded down; weight h alone may be too large for 64 bits.
+def left(rows, cols, weight, heuristic):
+    """The weighted estimate w h of what is left to a goal (rows, cols) away, rounded down.
 
     Parameters
     ----------
+    rows, cols : int
     weight : int
         In parts of ``ONE``.
-    h : int
+    heuristic : {OCTILE, MANHATTAN, EUCLIDEAN}
 
     Returns
     -------
     int
     """
-    return h // ONE * weight + h % ONE * weight // ONE
+    h = estimate(rows, cols, heuristic)
+    return h // ONE * weight + h % ONE * weight // ONE  # weight h alone may not fit into 64 bits
 
 
 @njit(cache=True)
@@ -100,7 +102,7 @@ def search(mark, width, ends, rules, cost, order, top, pool):
     top : ndarray of int32, shape (m,)
         All 0, m a power of two. The buckets: the number of the entry on top of each.
     pool : ndarray of int32, shape (2, k)
-        Room for entries: their cells, and the numbers of those below. Number 0 stays unused.
+        Room for entries: their cells, and the numbers of those below, 1 to k for a start.
 
     Returns
     -------
@@ -108,14 +110,12 @@ def search(mark, width, ends, rules, cost, order, top, pool):
         The number of cells is -1 if ``top`` was too short and -2 if ``pool`` was.
     """
     (start, goal), (weight, heuristic, once, shift, worth) = ends, rules
-    goal_row, goal_col = divmod(goal, width)
-    row, col = divmod(start, width)
-    level = times(weight, estimate(row - goal_row, col - goal_col, heuristic)) >> shift
+    (row, col), (goal_row, goal_col) = divmod(start, width), divmod(goal, width)
+    level = left(row - goal_row, col - goal_col, weight, heuristic) >> shift
     ring, highest = len(top) - 1, level  # & ring is modulo the number of buckets
     which, below, steps = pool[0], pool[1], D_ROW * width + D_COL
     cost[start], mark[start], top[level & ring] = 0, WAITING + STEP + NOWHERE, 1
-    which[1], below[1] = start, 0
-    spare, unused = 0, 2  # a pile of entries given back, and the first that never held anything
+    which[1], below[1], spare = start, 0, 2  # the spare entries are a pile, too
     best, expanded = (0 if start == goal else NEVER), 0
     while level <= highest and level << shift < best:
         entry = top[level & ring]
@@ -139,22 +139,17 @@ def search(mark, width, ends, rules, cost, order, top, pool):
             new = cost[cell] + (DIAGONAL if k & 1 else STRAIGHT)
             if mark[to] and (new >= cost[to] or (once and mark[to] < WAITING)):
                 continue
-            h = estimate(row + D_ROW[k] - goal_row, col + D_COL[k] - goal_col, heuristic)
-            f = new + times(weight, h)
+            rows, cols = row + D_ROW[k] - goal_row, col + D_COL[k] - goal_col
+            f = new + left(rows, cols, weight, heuristic)
             if f >= best:
                 continue
             cost[to], mark[to] = new, WAITING + STEP + k
             if to == goal:
                 best = new
             level, highest = min(level, f >> shift), max(highest, f >> shift)
-            if highest - level > ring:
-                return NEVER, -1
-            if spare:
-                entry, spare = spare, below[spare]
-            elif unused < len(which):
-                entry, unused = unused, unused + 1
-            else:
-                return NEVER, -2
+            if highest - level > ring or spare == len(which):
+                return NEVER, -1 if spare < len(which) else -2
+            entry, spare = spare, below[spare]
             which[entry], below[entry], top[f >> shift & ring] = to, top[f >> shift & ring], entry
     return best, expanded
 

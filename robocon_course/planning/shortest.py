@@ -240,6 +240,7 @@ def _searched(
     while expanded < 0:  # hardly ever twice
         mark = moves.prepared(task.room)
         top, pool = np.zeros(levels, np.int32), np.empty((2, entries), np.int32)
+        pool[1] = np.arange(1, entries + 1)
         found, expanded = search.search(mark, cols + 2, ends, tuple(rules), cost, order, top, pool)
         levels, entries = (2 * levels, entries) if expanded == -1 else (levels, 2 * entries)
     if found == moves.NEVER:

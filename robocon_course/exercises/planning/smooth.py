@@ -41,18 +41,19 @@ def _cases(student: Student, rng: np.random.Generator) -> list[Case]:
             best = worlds.driving_time(smooth_path(room, xy, LIMIT), LIMIT)
         except NoPathError:
             continue
-        if worlds.driving_time(xy, LIMIT) > WORTH * best:
-            cases.append(_smooth_case(room, xy, best))
+        first = worlds.driving_time(xy, LIMIT)
+        if first > WORTH * best:
+            cases.append(_smooth_case(room, xy, (first, best)))
     return cases
 
 
-def _smooth_case(room: GridMap, xy: np.ndarray, best: float) -> Case:
+def _smooth_case(room: GridMap, xy: np.ndarray, times: tuple[float, float]) -> Case:
     def judge(reply: Reply) -> str | None:
         if reply.error:
             return f"{reply.error}: {reply.message}"
         return _problem(reply.value, room, xy)
 
-    return Case("a way past boxes", (room, xy, LIMIT), judge=judge, truth=best)
+    return Case("a way past boxes", (room, xy, LIMIT), judge=judge, truth=times)
 
 
 def _problem(value: Any, room: GridMap, xy: np.ndarray) -> str | None:
@@ -68,9 +69,10 @@ def _problem(value: Any, room: GridMap, xy: np.ndarray) -> str | None:
     return None
 
 
-def _slower(case: Case, value: Any) -> float:
-    """How much more time the robot takes than on the course's own way [%]."""
-    return 100.0 * (worlds.driving_time(value, LIMIT) / case.truth - 1.0)
+def _missed(case: Case, value: Any) -> float:
+    """How much is missed of the time that the course's own way gains [%]."""
+    first, best = case.truth
+    return 100.0 * (worlds.driving_time(value, LIMIT) - best) / (first - best)
 
 
 def _averaged(look: bool, sweeps: int = 40) -> Callable[..., np.ndarray]:
@@ -104,14 +106,14 @@ SMOOTH_PATH = Exercise(
     shortcuts=("robocon_course.planning.smoothing.relax",),
     cases=_cases,
     time_limit=60.0,
-    score=Score(_slower, "% more time than the course's own way", ((6.0, 1.0), (10.0, 0.5))),
+    score=Score(_missed, "% of the possible gain missed", ((40.0, 1.0), (85.0, 0.5))),
     hints=(
         "First put points on the legs, 5 cm apart, and keep the corners. Then look where "
         "planning.path_curvature is above the limit.",
         "There push the point inwards, along p[i-1] - 2 p[i] + p[i+1], and its neighbours half as "
         "much outwards. Move a point only if both neighbours still see it.",
-        "push = (p[i-1] - 2 * p[i] + p[i+1]) * (1 - 0.95 * max_curvature / bend) / 4, with the bend "
-        "that point i has now; move i by 2 * push and i ± 1 by -push; again and again, until "
+        "push = (p[i-1] - 2 * p[i] + p[i+1]) * (1 - 0.95 * max_curvature / bend) / 4, with the "
+        "bend that point i has now; move i by 2 * push and i ± 1 by -push; again and again, until "
         "nothing bends too much.",
     ),
     mistakes=(
