@@ -11,8 +11,8 @@ Of many ways that are equally long only one has to be looked at. A step is *need
 before reaches its end as cheaply some other way. Where nothing stands around, that leaves one step
 out of eight after a straight one, and three after a diagonal one.
 
-Source: D. Harabor, A. Grastien, Online Graph Pruning for Pathfinding on Grid Maps, AAAI 2011,
-section 3, for the needless steps.
+Source: D. Harabor, A. Grastien, Online Graph Pruning for Pathfinding on Grid Maps, AAAI 2011, for
+the needless steps.
 """
 
 from __future__ import annotations

@@ -224,7 +224,7 @@ def _find(task: Task, rules: Rules, watch: bool) -> Plan:
     start, goal = ((row + 1) * width + col + 1 for row, col in (task.start, task.goal))
     mark, order, expanded = _searched(task, (start, goal), rules, watch)
     flat = search.trace(mark, width, start, goal)
-    way = np.column_stack([flat // width - 1, flat % width - 1])
+    way = np.column_stack(np.divmod(flat - width - 1, width))
     seen = order.reshape(-1, width)[1:-1, 1:-1] if watch else None
     return plan_through(task.room, way, expanded, seen)
 
