@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from heapq import heappop, heappush
 from math import inf
 
@@ -70,28 +71,13 @@ def plain_astar(
     them: beside the goal the octile distance is the step itself, so it makes no difference.
     """
 
+    rule = partial(_steps, directions=directions, corners=corners, diagonal=diagonal)
+
     def function(grid: GridMap, start: np.ndarray, goal: np.ndarray) -> Plan | None:
-        (rows, cols), free = grid.shape, grid.free.tolist()
+        free = np.pad(grid.free, 1).tolist()  # a rim, so that no step leaves the lists
         first, last = cell_of(grid, start), cell_of(grid, goal)
-
-        def is_free(row: int, col: int) -> bool:
-            return 0 <= row < rows and 0 <= col < cols and free[row][col]
-
-        def steps(cell: Cell) -> list[tuple[Cell, float]]:
-            row, col = cell
-            return [
-                ((row + dr, col + dc), diagonal if dr and dc else 1.0)
-                for dr, dc in directions
-                if is_free(row + dr, col + dc)
-                and (
-                    corners
-                    or not (dr and dc)
-                    or (is_free(row + dr, col) and is_free(row, col + dc))
-                )
-            ]
-
         cost, came, done = {first: 0.0}, {first: first}, set()
-        queue = [(0.0, first)] if is_free(*first) or not ask else []
+        queue = [(0.0, first)] if grid.is_free(grid.centres(first)) or not ask else []
         while queue:
             _, cell = heappop(queue)
             if cell in done:
@@ -99,22 +85,44 @@ def plain_astar(
             done.add(cell)
             if cell == last:
                 break
-            for to, step in steps(cell):
+            for to, step in rule(free, cell):
                 new = cost[cell] + step
                 if to in done or (seen and to in cost) or new >= cost.get(to, inf):
                     continue
                 cost[to], came[to] = new, cell
                 heappush(queue, (h(to, last, first) + (0.0 if greedy else new), to))
-        if last not in cost:
-            if none:
-                return None
-            raise NoPathError("no way", "enclosed")
-        way = [last]
-        while way[-1] != first:
-            way.append(came[way[-1]])
-        return plan_through(grid, way[::-1][order], len(done))
+        if last in done:
+            return plan_through(grid, _back(came, first, last)[order], len(done))
+        if none:
+            return None
+        raise NoPathError("no way", "enclosed")
 
     return function
+
+
+def _steps(
+    free: list[list[bool]],
+    cell: Cell,
+    directions: tuple[Cell, ...],
+    corners: bool,
+    diagonal: float,
+) -> list[tuple[Cell, float]]:
+    """Open steps and what they cost; ``free`` has a rim of one cell that is not."""
+    row, col = cell[0] + 1, cell[1] + 1
+    return [
+        ((cell[0] + dr, cell[1] + dc), diagonal if dr and dc else 1.0)
+        for dr, dc in directions
+        if free[row + dr][col + dc]
+        and (corners or not (dr and dc) or (free[row + dr][col] and free[row][col + dc]))
+    ]
+
+
+def _back(came: dict[Cell, Cell], first: Cell, last: Cell) -> list[Cell]:
+    """The cells of a way, from its start."""
+    way = [last]
+    while way[-1] != first:
+        way.append(came[way[-1]])
+    return way[::-1]
 
 
 def _upside_down(grid: GridMap, point: np.ndarray) -> Cell:
