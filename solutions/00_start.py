@@ -100,6 +100,7 @@ show(
 #
 # Here is a wrong answer, on purpose. Run it and read what the check says.
 
+
 # %%
 def wrap_angle(angle):
     """Wrong on purpose."""
@@ -127,6 +128,7 @@ wrap_angle = check("start.wrap_angle", practice=True)
 # Write the function so that any angle comes out in $[-\pi, \pi)$.
 # Delete the lines `# YOUR CODE HERE` and `raise …` under the docstring, write yours, run the cell,
 # then run the check.
+
 
 # %% exercise="start.wrap_angle"
 def wrap_angle(angle):

@@ -127,6 +127,7 @@ show(
 # If a block's mean is more than 0.02 rad/s away from the median of all block means, the log moved:
 # raise a `ValueError` whose message names the first row of the first such block.
 
+
 # %% exercise="imu.calibrate_gyro"
 def calibrate_gyro(still):
     """Gyroscope bias from a log at rest.
@@ -182,6 +183,7 @@ answer(
 #
 # Six rows: the mean of each resting position, in any order.
 
+
 # %% exercise="imu.calibrate_accelerometer"
 def calibrate_accelerometer(rests, gravity=9.80665):
     """Bias and scale from six resting positions, each axis once up and once down.
@@ -221,6 +223,7 @@ calibrate_accelerometer = check("imu.calibrate_accelerometer")
 
 # %% [markdown]
 # ### Exercise: fit the ellipsoid (3 points)
+
 
 # %% exercise="imu.fit_ellipsoid"
 def fit_ellipsoid(samples, gravity=9.80665):
@@ -290,6 +293,7 @@ print(f"two of them, one after the other: q = {half_left.round(3)}, half a turn"
 # %% [markdown]
 # ### Exercise: gravity direction (1 point)
 
+
 # %% exercise="imu.gravity_direction"
 def gravity_direction(quaternion):
     """Up, seen from the body: what an accelerometer at rest reads, divided by g.
@@ -335,6 +339,7 @@ gravity_direction = check("imu.gravity_direction")
 # length is 0, or if its length is further than `gains.gate` from 9.80665 m/s².
 #
 # `geometry.quaternion_multiply(a, b)` is $a \otimes b$.
+
 
 # %% exercise="imu.mahony_step"
 def mahony_step(state, gyro, accel, dt, gains):
@@ -382,6 +387,7 @@ mahony_step = check("imu.mahony_step")
 # %% [markdown]
 # ### Exercise: Euler angles (2 points)
 
+
 # %% exercise="imu.euler_angles"
 def euler_angles(quaternion):
     """Roll, pitch and yaw.
@@ -423,7 +429,9 @@ def draw_gains(k_p, k_i, gate):
     return fig, f"{text}: tilt error {rms:.2f}° RMS, {worst:.2f}° at worst."
 
 
-explore(draw_gains, k_p=(0.0, 5.0, 0.1, 1.0), k_i=(0.0, 0.5, 0.01, 0.0), gate=(0.01, 1.0, 0.01, 1.0))
+explore(
+    draw_gains, k_p=(0.0, 5.0, 0.1, 1.0), k_i=(0.0, 0.5, 0.01, 0.0), gate=(0.01, 1.0, 0.01, 1.0)
+)
 
 # %% [markdown]
 # ## 10. Drift
@@ -519,10 +527,14 @@ well = [value < 1.0 and yaw < 5.0 for value, yaw in zip(values, yaws)]
 ax.barh(names, values, color=[plots.REFERENCE if w else plots.WARN for w in well])
 for row, (value, yaw) in enumerate(zip(values, yaws)):
     ax.text(value, row, f" {value:.2f}°, yaw {yaw:.0f}°", va="center")
-ax.set(xlabel="tilt error, RMS [deg]; beside it the yaw error at the end", xlim=(0, 1.3 * max(values)))
+ax.set(
+    xlabel="tilt error, RMS [deg]; beside it the yaw error at the end", xlim=(0, 1.3 * max(values))
+)
 ax.grid(axis="y", visible=False)
 worst = names[int(np.argmax(values))]
-show(fig, f"Tilt error of each failure, from {min(values):.2f}° to {max(values):.2f}° RMS ({worst}).")
+show(
+    fig, f"Tilt error of each failure, from {min(values):.2f}° to {max(values):.2f}° RMS ({worst})."
+)
 
 # %% [markdown]
 # ## 12. Check the source
@@ -556,7 +568,12 @@ mended = np.degrees([settle(roll, 1.0) for roll in true_rolls])
 # %%
 fig, ax = figure(7.0, 3.4)
 curve = np.radians(np.linspace(0, 65, 100))
-ax.plot(np.degrees(curve), np.degrees(np.arctan(np.tan(curve) / 2)), color="0.7", label="half the tangent")
+ax.plot(
+    np.degrees(curve),
+    np.degrees(np.arctan(np.tan(curve) / 2)),
+    color="0.7",
+    label="half the tangent",
+)
 ax.plot(np.degrees(true_rolls), printed, "o", color=plots.WARN, label="as printed")
 ax.plot(np.degrees(true_rolls), mended, "s", color=plots.REFERENCE, label="v_z doubled")
 ax.set(xlabel="true roll [deg]", ylabel="roll the filter settles at [deg]")
@@ -578,7 +595,9 @@ on_its_side = world.rests[np.argmax(world.rests[:, 0])]
 calibration = calibrate_accelerometer(world.rests)
 for name, rest in {"flat on the table": flat, "on its side, x up": on_its_side}.items():
     printed_way, six_positions = rest - flat, (rest - calibration.bias) * calibration.scale
-    print(f"{name}: minus the mean {printed_way.round(2)}, six positions {six_positions.round(2)} m/s²")
+    print(
+        f"{name}: minus the mean {printed_way.round(2)}, six positions {six_positions.round(2)} m/s²"
+    )
 
 # %% [markdown]
 # ## 13. Link-up: your parts in the robot
@@ -605,7 +624,9 @@ rungs = worlds.imu_rungs(student)
 print(f"Parts: {mine.label}")
 for name, rung in rungs.items():
     ours, yours = run(course, rung), run(mine, rung)
-    print(f"{name:6s} roll and pitch off by {ours[1]:.2f}° RMS on the course's parts, {yours[1]:.2f}° on yours")
+    print(
+        f"{name:6s} roll and pitch off by {ours[1]:.2f}° RMS on the course's parts, {yours[1]:.2f}° on yours"
+    )
 
 # %%
 rough = rungs["rough"]
@@ -658,6 +679,7 @@ print(f"{len(samples)} samples, {phone.malformed} malformed line skipped; up is 
 #
 # Ideas: use the second at rest, interpolate the rate over a gap, leave out samples that are not
 # as long as $g$, tune the gains.
+
 
 # %% exercise="imu.attitude_in_motion"
 def attitude_in_motion(gyro, accel, dt):

@@ -30,8 +30,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray, as_floats
-from robocon_course.gridmap.grid import BoolArray, GridMap, inflate
+from robocon_course.gridmap.grid import BoolArray, GridMap
 from robocon_course.gridmap.octile import load_octile
+from robocon_course.gridmap.room import inflate
 
 if TYPE_CHECKING:
     from PIL.Image import Image
