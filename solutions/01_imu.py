@@ -567,13 +567,9 @@ mended = np.degrees([settle(roll, 1.0) for roll in true_rolls])
 
 # %%
 fig, ax = figure(7.0, 3.4)
-curve = np.radians(np.linspace(0, 65, 100))
-ax.plot(
-    np.degrees(curve),
-    np.degrees(np.arctan(np.tan(curve) / 2)),
-    color="0.7",
-    label="half the tangent",
-)
+curve = np.linspace(0, 65, 100)
+half = np.degrees(np.arctan(np.tan(np.radians(curve)) / 2))
+ax.plot(curve, half, color="0.7", label="half the tangent")
 ax.plot(np.degrees(true_rolls), printed, "o", color=plots.WARN, label="as printed")
 ax.plot(np.degrees(true_rolls), mended, "s", color=plots.REFERENCE, label="v_z doubled")
 ax.set(xlabel="true roll [deg]", ylabel="roll the filter settles at [deg]")

@@ -149,13 +149,18 @@ def page(tmp_path_factory, hosts):
 @pytest.fixture(scope="module")
 def chapter(page, address):
     """Chapter 01, opened and run from top to bottom."""
+    return run_through(page, address, "01_imu", "1-opened")
+
+
+def run_through(page, address: str, name: str, picture: str):
+    """The page with a notebook opened, photographed, and run from top to bottom."""
     ARTEFACTS.mkdir(exist_ok=True)
     parts = urlsplit(address)
-    page.goto(f"http://{parts.netloc}/lab/tree/01_imu.ipynb?{parts.query}")
+    page.goto(f"http://{parts.netloc}/lab/tree/{name}.ipynb?{parts.query}")
     page.wait_for_selector(".jp-Notebook .jp-Cell")
     page.wait_for_function("window.jupyterapp?.shell.currentWidget?.sessionContext")
     page.evaluate(READY)
-    photograph(page, "1-opened")
+    photograph(page, picture)
     page.evaluate("() => { jupyterapp.commands.execute('notebook:run-all-cells') }")
     page.wait_for_function(ALL_RUN)
     return page
@@ -203,27 +208,35 @@ def test_every_figure_tells_its_content_to_a_screen_reader(chapter):
 
 
 def test_moving_a_slider_draws_the_same_figure_anew(chapter):
-    cell = cell_with(chapter, "explore(")
+    move_first_slider(chapter, "explore(", 0.75, "3-slider-moved")
+
+
+def move_first_slider(page, text: str, share: float, picture: str) -> str:
+    """Pull the first slider of a cell up; the figure must follow, and its words; those words."""
+    cell = cell_with(page, text)
     figure, number = cell.locator(FIGURE), cell.locator(".widget-readout").first
     before, start = figure.get_attribute("src"), float(number.text_content())
     handle = cell.locator(".noUi-handle").first
     handle.scroll_into_view_if_needed()
     grip, bar = handle.bounding_box(), cell.locator(".noUi-base").first.bounding_box()
-    chapter.mouse.move(grip["x"] + grip["width"] / 2, grip["y"] + grip["height"] / 2)
-    chapter.mouse.down()
-    chapter.mouse.move(bar["x"] + 0.75 * bar["width"], grip["y"], steps=12)
-    chapter.mouse.up()
+    page.mouse.move(grip["x"] + grip["width"] / 2, grip["y"] + grip["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(bar["x"] + share * bar["width"], grip["y"], steps=12)
+    page.mouse.up()
     # JupyterLab puts a new image in the place of the old one; the text twin follows it.
     readout = cell.get_by_text("Figure: ")
     for _ in range(300):
         new = figure.get_attribute("src") != before
         if new and readout.text_content() == f"Figure: {figure.get_attribute('alt')}":
             break
-        chapter.wait_for_timeout(100)
-    photograph(chapter, "3-slider-moved")
+        page.wait_for_timeout(100)
+    figure.scroll_into_view_if_needed()
+    photograph(page, picture)
     assert float(number.text_content()) > start
     assert figure.count() == 1 and figure.get_attribute("src") != before
-    assert readout.text_content().removeprefix("Figure: ") == figure.get_attribute("alt")
+    words = readout.text_content().removeprefix("Figure: ")
+    assert words == figure.get_attribute("alt")
+    return words
 
 
 def test_an_exercise_is_solved_by_typing(chapter, workspace):
@@ -243,6 +256,21 @@ def test_an_exercise_is_solved_by_typing(chapter, workspace):
     photograph(chapter, "5-passed")
     assert "my_robot/imu.py" in verdict(check)
     assert BY_HAND[1] in (workspace / "my_robot" / "imu.py").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("name", "slider", "words"),
+    [
+        ("04_planning", "explore(draw_weight", r"^Weight [345][.\d]*: \d+ cells, a way of"),
+        ("05_tracking", "draw_lookahead,", r"^Look-ahead 0\.[678]\d* s times speed"),
+    ],
+)
+def test_a_chapter_of_the_way_runs_untouched_and_its_slider_draws_it_anew(
+    page, address, name, slider, words
+):
+    chapter = run_through(page.context.new_page(), address, name, f"{name}-opened")
+    assert chapter.locator("[data-mime-type='application/vnd.jupyter.error']").count() == 0
+    assert re.search(words, move_first_slider(chapter, slider, 0.75, f"{name}-slider"))
 
 
 DRIVE = """{
