@@ -454,7 +454,10 @@ answer(
 def draw_weight(weight):
     """The search on your field with one weight."""
     found = planning.astar(room, world.start, world.goal, weight=weight, watch=True)
-    fig = draw_ways(world.grid, {"reference": found.xy}, room=room, plan=found, markers=marks)
+    fig, ax = figure(3.6, 5.6)  # small: the slider stays in sight below it
+    draw_ways(world.grid, {"reference": found.xy}, room=room, plan=found, markers=marks, ax=ax)
+    ax.get_legend().remove()
+    ax.set_title(f"{found.expanded} cells, {found.length:.2f} m")
     one = next(planning.anytime_astar(room, world.start, world.goal, weights=[weight]))
     return fig, (
         f"Weight {weight:g}: {found.expanded} cells, a way of {found.length:.2f} m. It is at most "
