@@ -35,7 +35,7 @@ from robocon_course.exercises.workspace import Workspace
 from robocon_course.geometry import distance_along
 from robocon_course.gridmap import GridMap
 from robocon_course.planning import NoPathError, line_of_sight
-from robocon_course.robot import LIDARS, SIDE, LidarReading, Observation
+from robocon_course.robot import DEAD_WHEELS, LIDARS, SIDE, LidarReading, Observation
 from robocon_course.tracking import speed_profile
 
 PARTS = Parts()
@@ -233,12 +233,89 @@ def test_step_by_step_it_is_the_dead_reckoning_of_the_whole_log():
     np.testing.assert_allclose(poses, whole, atol=1e-9)
 
 
-def test_an_observation_that_is_not_later_changes_nothing():
+def test_an_observation_that_is_not_later_changes_nothing_but_counters():
     log = worlds.simulated_drive(7, "ideal", 4.0)
-    state = reckon(PARTS, Reckoning.at(log.poses[0]), log.observations[0])
+    state = reckon(PARTS, Reckoning.at(log.poses[0]), log.observations[189])
     state = reckon(PARTS, state, log.observations[190])
-    assert reckon(PARTS, state, log.observations[190]) is state
-    assert reckon(PARTS, state, log.observations[3]) is state
+    for late in (log.observations[190], log.observations[3]):
+        again = reckon(PARTS, state, late)
+        assert again == state._replace(fresh=False, missed=1, rejected=1)
+
+
+def observations(count=40, dt=0.02, speed=1.0):
+    """Readings of a robot that drives ahead."""
+    zero = np.zeros((2, 3))
+    per_tick = speed * dt / DEAD_WHEELS.metres_per_tick.mean()
+    lidar = tuple(LidarReading(0.0, 1.0, 500, 25.0) for _ in LIDARS)
+    for k in range(count):
+        ticks = np.array([round(per_tick * k), round(per_tick * k), 0])
+        yield Observation(
+            k * dt, ticks, np.zeros(2), zero, zero, lidar, np.full(4, speed), np.zeros(4), 24.0
+        )
+
+
+def reckoned(readings) -> Reckoning:
+    state = Reckoning.at([0.0, 0.0, 0.0])
+    for one in readings:
+        state = reckon(PARTS, state, one)
+    return state
+
+
+def test_counters_may_pass_their_largest_number_and_share_one_buffer():
+    buffer, state = np.zeros(3, np.int64), Reckoning.at([0.0, 0.0, 0.0])
+    for one in observations():
+        count = one.ticks + 2**31 - 9000
+        buffer[:] = np.where(count >= 2**31, count - 2**32, count)  # a 32-bit register
+        state = reckon(PARTS, state, one._replace(ticks=buffer))
+    assert state.pose == pytest.approx(reckoned(observations()).pose) != pytest.approx([0, 0, 0])
+    assert buffer[0] < 0  # it did pass
+
+
+@pytest.mark.parametrize("leap", [1000.0, -0.5, nan, inf])
+def test_one_bad_time_costs_one_reading(leap):
+    whole = list(observations())
+    whole[20] = whole[20]._replace(time=whole[20].time + leap)
+    state = reckoned(whole)
+    assert state.rejected == 1 and state.fresh
+    assert state.pose == pytest.approx(reckoned(observations()).pose)
+
+
+@pytest.mark.parametrize("leap", [1000.0, -0.4])
+def test_a_clock_that_goes_on_elsewhere_is_believed_after_a_while_and_no_way_is_lost(leap):
+    whole = [o._replace(time=o.time + leap * (k >= 20)) for k, o in enumerate(observations())]
+    state = reckoned(whole)
+    assert state.fresh and state.rejected == autopilot.sensing.PATIENCE
+    assert state.pose == pytest.approx(reckoned(observations()).pose)
+
+
+@pytest.mark.parametrize("ticks", [[nan, 0, 0], [inf, 0, 0], [1e300, 0, 0]])
+def test_counters_that_are_no_numbers_cost_one_reading(ticks):
+    whole = list(observations())
+    whole[20] = whole[20]._replace(ticks=np.array(ticks))
+    state = reckoned(whole)
+    assert state.rejected == 1 and state.pose == pytest.approx(reckoned(observations()).pose)
+
+
+@pytest.mark.parametrize("rate", [34.9, -20.0, 1e300])
+def test_one_rate_that_nothing_explains_is_bridged_by_the_wheels(rate):
+    whole = list(observations())
+    whole[20] = whole[20]._replace(gyro=np.array([[0.0, 0.0, rate]]))
+    state = reckoned(whole)
+    assert state.rejected == 1 and state.pose == pytest.approx(reckoned(observations()).pose)
+
+
+def test_a_fast_turn_that_goes_on_is_believed_though_the_wheels_are_silent():
+    turning = [o._replace(gyro=np.array([[0.0, 0.0, 5.0]])) for o in observations(60)]
+    state = reckoned([*observations(1), *turning[1:]])
+    assert state.pose[2] == pytest.approx(5.0 * 0.02 * 58, rel=0.05) and state.rejected == 1
+
+
+def test_readings_of_another_shape_are_refused_by_name():
+    one = next(observations())
+    with pytest.raises(ValueError, match=r"observation\.ticks: expected shape \(3,\)"):
+        reckon(PARTS, Reckoning.at([0, 0, 0]), one._replace(ticks=np.zeros(2)))
+    with pytest.raises(ValueError, match=r"observation\.gyro: expected shape \(n, 3\)"):
+        reckon(PARTS, Reckoning.at([0, 0, 0]), one._replace(gyro=np.zeros(3)))
 
 
 def test_without_a_gyroscope_the_wheels_turn_the_heading():
@@ -273,6 +350,16 @@ def test_a_lidar_that_looks_aslant_is_corrected_and_one_too_far_aslant_is_not_as
     assert lidar_y(seen_by({"left": 1.7}), turn) == pytest.approx(expected)
     assert np.isnan(lidar_y(seen_by({"left": 1.7}), np.radians(45.0)))
     assert np.isnan(lidar_y(seen_by({"front": 1.7}), 0.0))  # the left one says nothing
+
+
+@pytest.mark.parametrize(
+    "reading", [(1.7, 99), (1.7, 65535), (0.0, 500), (inf, 500), (nan, 500), (-1.0, 500)]
+)
+def test_a_lidar_that_does_not_trust_itself_is_not_asked(reading):
+    seen = seen_by({})
+    lidar = [LidarReading(0.0, *reading, 25.0) for _ in LIDARS]
+    assert np.isnan(lidar_y(seen._replace(lidar=tuple(lidar)), 0.0))
+    assert np.isnan(lidar_y(seen._replace(lidar=()), 0.0)) and np.isnan(lidar_y(seen, inf))
 
 
 # --- all together ----------------------------------------------------------------------------
@@ -315,15 +402,95 @@ def test_the_same_student_gets_the_same_drive_to_the_bit():
     assert other.poses.shape != first.poses.shape or (other.poses != first.poses).any()
 
 
-def test_the_truth_never_reaches_the_pilot():
-    """With the wrong sizes of its wheels it misses, though the simulator knows better."""
-
-    def uncalibrated(wheels, *_):
-        return wheels
-
-    parts = replace(PARTS, calibrate_wheels=uncalibrated)
+def test_a_drive_that_is_not_calibrated_misses_for_its_truth_is_nobodys_to_ask():
+    parts = replace(PARTS, calibrate_wheels=lambda wheels, *_: wheels)
     runs = [worlds.field_drive(4, own) for own in (PARTS, parts)]
     assert runs[1].away > 3 * runs[0].away
+
+
+def driving(route=None, rest=0.1) -> Pilot:
+    """A pilot on the way along x, from the origin."""
+    return Pilot(PARTS, route or along_x(), (0.0, 0.0, 0.0), DEAD_WHEELS, rest=rest)
+
+
+BAD = {
+    "time": [nan, inf, -inf, 1e300, -1e300, 0.0],
+    "ticks": [np.full(3, value) for value in (nan, inf, -inf, 1e300, 0.0)],
+    "gyro": [np.full((2, 3), value) for value in (nan, inf, 1e300, 35.0)] + [np.empty((0, 3))],
+    "accel": [np.full((2, 3), nan), np.empty((0, 3))],
+    "module_angles": [np.full(4, value) for value in (nan, inf, 1e300)],
+    "module_speeds": [np.full(4, nan)],
+    "battery": [nan],
+    "lidar": [(), tuple(LidarReading(nan, nan, 0, nan) for _ in LIDARS)],
+}
+
+
+@pytest.mark.parametrize("at", [0, 3, 30])
+@pytest.mark.parametrize(
+    ("field_name", "number"),
+    [(name, k) for name, values in BAD.items() for k in range(len(values))],
+)
+def test_whatever_a_sensor_says_once_there_is_a_command_and_the_drive_goes_on(
+    field_name, number, at
+):
+    """At first, while it rests, while it drives."""
+    pilot = driving()
+    for k, one in enumerate(observations(60)):
+        if k == at:
+            one = one._replace(**{field_name: BAD[field_name][number]})
+        speeds, _ = pilot.tick(one).checked()
+        assert np.abs(speeds).max() <= 3.2
+    assert speeds.any() and pilot.reckoning.fresh
+    assert pilot.reckoning.pose == pytest.approx([1.18, 0.0, 0.0], abs=0.05)
+
+
+@pytest.mark.parametrize("bad", [{"time": nan}, {"ticks": np.full(3, nan)}, {"time": 0.5}])
+def test_a_robot_that_sees_nothing_any_more_stops_and_counts(bad):
+    pilot = driving()
+    for k, one in enumerate(observations(80)):
+        command = pilot.tick(one._replace(**bad) if k >= 40 else one)
+    assert not np.any(command.speeds) and pilot.rejected >= 40 - autopilot.sensing.PATIENCE
+
+
+def test_it_has_arrived_only_where_it_stands_and_the_lidar_agrees():
+    path = np.array([[4.3, 9.0], [4.3, 9.5], [4.3, 10.0]])
+    route = to_area_3()._replace(xy=path, along=distance_along(path), speeds=np.zeros(3))
+    pilot = Pilot(PARTS, route, (4.3, 10.0, 0.0), DEAD_WHEELS, rest=0.05)
+    for one in observations(20, speed=0.0):
+        pilot.tick(one._replace(lidar=seen_by({"left": 1.7}).lidar))
+    assert pilot.arrived
+    for left in (0.0, 3.4):  # no reading; y = 8.29 m, before the line
+        pilot.seen = one._replace(lidar=seen_by({"left": left}).lidar)
+        assert not pilot.arrived
+    pilot.seen = one._replace(lidar=seen_by({"left": 1.7}).lidar)
+    pilot.reckoning = pilot.reckoning._replace(pose=np.array([4.3, 9.7, 0.0]))
+    assert not pilot.arrived  # 0.3 m away
+
+
+def test_the_speed_is_looked_up_a_little_ahead():
+    route = along_x()  # 1 m/s, braking with 2 m/s² over the last 25 cm
+    state = Following.begin(route)._replace(speed=1.0)
+    at, later = (follow_step(PARTS, state, route, [x, 0.0, 0.0], 0.02).speed for x in (2.7, 2.75))
+    assert at == pytest.approx(1.0) and later == pytest.approx(np.sqrt(2 * 2.0 * 0.2), abs=0.01)
+
+
+def test_a_steady_drift_is_taken_back_by_the_integral():
+    route, ends = along_x(20.0), {}
+    for k_i in (0.0, 0.5):
+        settings = autopilot.FollowSettings(
+            across=autopilot.FollowSettings().across._replace(k_i=k_i)
+        )
+        pose, state = np.zeros(3), Following.begin(route)
+        for _ in range(1500):
+            state = follow_step(PARTS, state, route, pose, 0.01, settings=settings)
+            pose = pose + 0.01 * np.add(state.twist, (0.0, 0.1, 0.0))  # a slanting floor
+        ends[k_i] = abs(pose[1])
+    assert ends[0.5] < 0.5 * ends[0.0]
+
+
+def test_a_heading_that_is_none_is_refused():
+    with pytest.raises(ValueError, match="heading: expected an angle"):
+        follow_step(PARTS, Following.begin(along_x()), along_x(), [0, 0, 0], 0.02, heading=nan)
 
 
 def test_a_robot_whose_parts_lead_nowhere_is_stopped_and_told_so():

@@ -14,7 +14,7 @@
 """
 
 from robocon_course.autopilot.following import Following, FollowSettings, follow_step
-from robocon_course.autopilot.modules import module_command
+from robocon_course.autopilot.modules import hold, module_command
 from robocon_course.autopilot.parts import Part, Parts
 from robocon_course.autopilot.pilot import Pilot
 from robocon_course.autopilot.route import DriveLimits, Route, plan_route, room_for_body
@@ -42,6 +42,7 @@ __all__ = [
     "attitude_angles",
     "dead_reckoning",
     "follow_step",
+    "hold",
     "lidar_y",
     "module_command",
     "plan_route",

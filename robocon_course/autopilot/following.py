@@ -17,7 +17,7 @@ braking early.
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, inf, pi, remainder, sin, sqrt
+from math import atan2, cos, hypot, inf, isfinite, pi, remainder, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +33,7 @@ from robocon_course.tracking import (
     PidLimits,
     PidState,
     lookahead_distance,
+    start_pose,
 )
 
 
@@ -116,8 +117,7 @@ class Following(NamedTuple):
         -------
         Following
         """
-        ahead = route.xy[min(1, len(route.xy) - 1)] - route.xy[0]
-        course = atan2(ahead[1], ahead[0])
+        course = float(start_pose(route.xy)[2])
         return cls((0.0, 0.0, 0.0), 0, course, 0.0, PidState(), PidState(), float(route.along[-1]))
 
 
@@ -154,44 +154,60 @@ def follow_step(
     Raises
     ------
     ValueError
-        Not three numbers, or a dt that is not positive. Never for a value of the pose.
+        Not three numbers, a dt that is not positive, or no heading. Never for a value of the pose.
     """
     pose = as_floats(pose, "pose", 3, finite=False)
     if not 0.0 < dt < inf:
         raise ValueError(f"dt: expected seconds above 0, got {dt!r}")
+    if not isfinite(heading):
+        raise ValueError(f"heading: expected an angle in radians, got {heading!r}")
     if not np.isfinite(pose).all():
-        missed = state.missed + 1
-        twist = state.twist if missed <= settings.patience else (0.0, 0.0, 0.0)
-        return state._replace(twist=twist, missed=missed, rejected=state.rejected + 1)
+        return _missed(state, settings)
     x, y, theta = pose.tolist()
-    reach = float(lookahead_distance(state.speed, settings.k, settings.least))
-    foot = parts.nearest_point(route.xy, (x, y), state.index, reach)
+    lookahead = float(lookahead_distance(state.speed, settings.k, settings.least))
+    foot = parts.nearest_point(route.xy, (x, y), state.index, lookahead)
     place = _place(route, foot.index, foot.share)
     left = float(route.along[-1]) - place
     speed = _speed_at(route, place + settings.braking * state.speed)
     speed = max(speed, min(settings.creep, settings.across.k_p * left))
-    pursuit = parts.pure_pursuit(route.xy, (x, y, state.course), reach, foot.index)
+    pursuit = parts.pure_pursuit(route.xy, (x, y, state.course), lookahead, foot.index)
     course = _steered(state.course, speed * pursuit.curvature * dt, pursuit.target, x, y)
-    across = parts.pid_step(
-        state.across, 0.0, _cross_track(route.xy, foot, x, y), dt, settings.across,
-        PidLimits(-settings.aside, settings.aside),
-    )  # fmt: skip
+    off = _cross_track(route.xy, foot, x, y)
+    bound = PidLimits(-settings.aside, settings.aside)
+    across = parts.pid_step(state.across, 0.0, off, dt, settings.across, bound)
     wanted = theta + remainder(heading - theta, TURN)  # the shorter way round
-    turning = parts.pid_step(
-        state.turning, wanted, theta, dt, settings.turning, PidLimits(-settings.spin, settings.spin)
-    )
-    if left <= settings.near:
-        to_end = settings.across.k_p * (route.xy[-1] - (x, y))
-        twist = (*to_end.tolist(), turning.output)
-    else:
-        side = across.output
-        twist = (
-            speed * cos(course) - side * sin(course),
-            speed * sin(course) + side * cos(course),
-            turning.output,
-        )
+    bound = PidLimits(-settings.spin, settings.spin)
+    turning = parts.pid_step(state.turning, wanted, theta, dt, settings.turning, bound)
+    vx, vy = _velocity(route, (x, y), left, (speed, course, across.output), settings)
+    twist = (float(vx), float(vy), float(turning.output))
+    if not all(map(isfinite, (*twist, course))):
+        return _missed(state, settings)
     return Following(
         twist, foot.index, course, speed, across, turning, left, rejected=state.rejected
+    )
+
+
+def _missed(state: Following, settings: FollowSettings) -> Following:
+    """A step without a usable pose: the last twist for a while, then none."""
+    missed = state.missed + 1
+    twist = state.twist if missed <= settings.patience else (0.0, 0.0, 0.0)
+    return state._replace(twist=twist, missed=missed, rejected=state.rejected + 1)
+
+
+def _velocity(
+    route: Route,
+    place: tuple[float, float],
+    left: float,
+    motion: tuple[float, float, float],
+    settings: FollowSettings,
+) -> FloatArray | tuple[float, float]:
+    """Along the course and back to the path; just before the end straight to it [m/s, map]."""
+    if left <= settings.near:
+        return settings.across.k_p * (route.xy[-1] - place)
+    speed, course, side = motion
+    return (
+        speed * cos(course) - side * sin(course),
+        speed * sin(course) + side * cos(course),
     )
 
 

@@ -59,12 +59,33 @@ def module_command(
     if not 0.0 < dt < np.inf:
         raise ValueError(f"dt: expected seconds above 0, got {dt}")
     if not _can_be_driven(twist, theta, angles, dt):
-        return Command.stop(np.where(np.isfinite(angles), angles, 0.0))
+        return hold(angles)
     body = np.asarray(parts.field_to_robot(twist, theta), float)
     body = np.asarray(parts.discretize(body, dt), float)
     targets = _as_arrays(parts.module_targets(MODULES, body, angles))
     targets = _as_arrays(parts.limit_speeds(targets, max_speed))
     return Command(*swerve.cosine_compensation(parts.shortest_turn(targets, angles), angles))
+
+
+def hold(angles: ArrayLike) -> Command:
+    """Wheels that stand, and modules that stay where they are.
+
+    Parameters
+    ----------
+    angles : array_like, shape (4,)  [rad, base]
+        Angles the modules have now; one that is not finite is sent to 0.
+
+    Returns
+    -------
+    Command
+
+    Raises
+    ------
+    ValueError
+        Another shape.
+    """
+    angles = as_floats(angles, "angles", len(MODULES), finite=False)
+    return Command.stop(np.where(np.isfinite(angles), angles, 0.0))
 
 
 def _can_be_driven(twist: FloatArray, theta: float, angles: FloatArray, dt: float) -> bool:

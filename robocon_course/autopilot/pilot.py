@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from math import hypot
+from math import hypot, inf, isfinite, nan
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from robocon_course import field
 from robocon_course.autopilot.following import Following, FollowSettings, follow_step
-from robocon_course.autopilot.modules import module_command
+from robocon_course.autopilot.modules import hold, module_command
 from robocon_course.autopilot.parts import Parts
 from robocon_course.autopilot.route import Route
-from robocon_course.autopilot.sensing import Reckoning, lidar_y, reckon
+from robocon_course.autopilot.sensing import LONGEST_GAP, Reckoning, lidar_y, reckon
 from robocon_course.odometry import TrackingWheels
 from robocon_course.robot import Command, Observation
 
 NEAR_GOAL = 0.2
 """So near to the goal the robot has arrived [m]."""
-STANDING = 0.03
+END = 0.03
 """The path is driven to its end: so much may be left of it [m]."""
+STANDS = 0.02
+"""Slower than this by its own wheels the robot stands [m/s]: two counts in 20 ms make 6 mm/s."""
 
 
 class Pilot:
@@ -66,7 +69,7 @@ class Pilot:
         self.seen: Observation | None = None
         self._heading = float(self.reckoning.pose[2])
         self._rest, self._settings = rest, settings
-        self._begin: float | None = None
+        self._waited, self._dt, self._speed = 0.0, nan, inf
 
     def tick(self, observation: Observation) -> Command:
         """What to do after one more observation.
@@ -74,26 +77,38 @@ class Pilot:
         Parameters
         ----------
         observation : Observation
+            One that cannot be used is counted. The last velocity holds for a while; then the robot
+            stops.
 
         Returns
         -------
         Command
+
+        Raises
+        ------
+        ValueError
+            Readings of another shape. Never for a value: this runs in a control loop.
         """
-        last, self.seen = self.seen, observation
-        self.reckoning = reckon(self.parts, self.reckoning, observation, self.wheels)
-        if self._begin is None:
-            self._begin = observation.time
-        dt = observation.time - last.time if last else 0.0
-        if observation.time - self._begin < self._rest or not dt > 0.0:
-            return Command.stop(observation.module_angles)
-        pose = self.reckoning.pose
+        self.seen, last = observation, self.reckoning
+        self.reckoning = now = reckon(self.parts, last, observation, self.wheels)
+        if now.fresh and 0.0 < now.time - last.time <= LONGEST_GAP:
+            self._dt = now.time - last.time
+            self._waited += self._dt
+            self._speed = float(hypot(*(now.pose - last.pose)[:2])) / self._dt
+        if not (isfinite(self._dt) and self._waited >= self._rest):
+            return hold(observation.module_angles)
+        pose = now.pose if now.fresh else np.full(3, nan)
         self.following = follow_step(
-            self.parts, self.following, self.route, pose, dt,
+            self.parts, self.following, self.route, pose, self._dt,
             heading=self._heading, settings=self._settings,
         )  # fmt: skip
-        return module_command(
-            self.parts, self.following.twist, pose[2], observation.module_angles, dt=dt
-        )
+        twist, angles = self.following.twist, observation.module_angles
+        return module_command(self.parts, twist, now.pose[2], angles, dt=self._dt)
+
+    @property
+    def rejected(self) -> int:
+        """How many readings could not be used."""
+        return self.reckoning.rejected
 
     @property
     def away(self) -> float:
@@ -102,8 +117,9 @@ class Pilot:
 
     @property
     def arrived(self) -> bool:
-        """Whether it is at the goal, and the LiDAR agrees where that lies in Area 3."""
-        if self.seen is None or self.away > NEAR_GOAL or self.following.left > STANDING:
+        """Whether it stands at the goal, and the LiDAR agrees where that lies in Area 3."""
+        resting = self.following.left <= END and self._speed < STANDS
+        if self.seen is None or not resting or self.away > NEAR_GOAL:
             return False
         if self.route.xy[-1, 1] <= field.AREA_3_LINE:
             return True

@@ -20,12 +20,13 @@ from robocon_course.autopilot.parts import Parts
 from robocon_course.geometry import distance_along
 from robocon_course.gridmap import GridMap
 from robocon_course.planning import NoPathError, Plan, line_of_sight
+from robocon_course.planning.plans import checked_task
 from robocon_course.robot import SIDE
 
 MARGINS = (0.12, 0.06, 0.0)
 """Room between body and obstacles, as much as there is [m]."""
 NEAR_END = 0.4
-"""So near to start and goal no margin is asked for [m]."""
+"""So near to start and goal, in x and y, no margin is asked for [m]."""
 
 
 class DriveLimits(NamedTuple):
@@ -102,9 +103,10 @@ def plan_route(
         Points that are not finite.
     """
     ends = np.stack([as_floats(start, "start", 2), as_floats(goal, "goal", 2)])
-    _check_room(parts, grid, ends)
+    checked_task(grid, *ends, 0.0)  # says in metres what the search would say in cells
+    tight = _checked_room(parts, grid, ends)
     for margin in MARGINS:
-        room = room_for_body(parts, grid, ends, margin)
+        room = room_for_body(parts, grid, ends, margin, tight=tight)
         try:
             plan = parts.astar(room, *ends)
             break
@@ -113,8 +115,8 @@ def plan_route(
                 raise
     xy = np.array(plan.xy, float)
     if len(xy) > 1:
-        tight = parts.shorten_path(room, _with_ends(room, xy, ends))
-        xy = np.asarray(parts.smooth_path(room, tight, limits.curvature), float)
+        short = parts.shorten_path(room, _with_ends(room, xy, ends))
+        xy = np.asarray(parts.smooth_path(room, short, limits.curvature), float)
     if len(xy) < 3:  # the goal lies in the start's own cell or beside it: a profile needs a middle
         xy = np.linspace(*ends, 3)
     speeds = parts.speed_profile(xy, limits.speed, limits.accel, limits.lateral)
@@ -133,21 +135,22 @@ def _with_ends(room: GridMap, xy: FloatArray, ends: FloatArray) -> FloatArray:
     return xy
 
 
-def _check_room(parts: Parts, grid: GridMap, ends: FloatArray) -> None:
-    """Refuse an end that is free, but not for the whole body."""
-    fits = room_for_body(parts, grid, ends, 0.0).is_free(ends)
-    for name, (x, y), free, fit in zip(
-        ("start", "goal"), ends, grid.is_free(ends), fits, strict=True
-    ):
-        if free and not fit:
+def _checked_room(parts: Parts, grid: GridMap, ends: FloatArray) -> GridMap:
+    """Room for the bare body; refuses an end that is free, but not for the whole of it."""
+    room = parts.inflate_square(grid, 0.5 * SIDE)
+    for name, (x, y), fit in zip(("start", "goal"), ends, room.is_free(ends), strict=True):
+        if not fit:
             raise NoPathError(
                 f"{name}: at ({x:g}, {y:g}) m the body of {SIDE:g} m stands in an obstacle or in "
                 f"the fence; its middle needs {0.5 * SIDE:g} m on each side",
                 "blocked",
             )
+    return room
 
 
-def room_for_body(parts: Parts, grid: GridMap, ends: FloatArray, margin: float) -> GridMap:
+def room_for_body(
+    parts: Parts, grid: GridMap, ends: FloatArray, margin: float, *, tight: GridMap | None = None
+) -> GridMap:
     """Where the middle of the body may be: with a margin, but near the ends without.
 
     Parameters
@@ -156,18 +159,19 @@ def room_for_body(parts: Parts, grid: GridMap, ends: FloatArray, margin: float) 
     grid : GridMap
     ends : ndarray, shape (k, 2)  [m, map]
     margin : float  [m]
+    tight : GridMap, optional
+        Room for the bare body, where it is known already.
 
     Returns
     -------
     GridMap
     """
-    room = parts.inflate_square(grid, 0.5 * SIDE)
+    tight = tight or parts.inflate_square(grid, 0.5 * SIDE)
     if margin == 0.0:
-        return room
-    wide = parts.inflate_square(grid, 0.5 * SIDE + margin)
-    rows, cols = np.indices(grid.shape, sparse=True)
-    x, y = grid.centres(np.stack([0 * cols + rows, 0 * rows + cols], axis=-1)).transpose(2, 0, 1)
-    near = np.zeros(grid.shape, dtype=bool)
-    for end_x, end_y in ends:
-        near |= np.hypot(x - end_x, y - end_y) < NEAR_END
-    return GridMap(wide.free | (room.free & near), grid.resolution, grid.origin)
+        return tight
+    free = parts.inflate_square(grid, 0.5 * SIDE + margin).free.copy()
+    for end in ends:
+        first, last = grid.cells([end - NEAR_END, end + NEAR_END]).clip(0)
+        around = slice(first[0], last[0] + 1), slice(first[1], last[1] + 1)
+        free[around] |= tight.free[around]
+    return GridMap(free, grid.resolution, grid.origin)

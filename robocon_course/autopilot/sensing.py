@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, nan, pi, radians, remainder, sin
+from math import cos, inf, isfinite, nan, pi, radians, remainder, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -13,11 +13,19 @@ from robocon_course import field, imu, odometry
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.autopilot.parts import Parts
 from robocon_course.geometry import TURN
-from robocon_course.robot import DEAD_WHEELS, LIDARS, Observation
+from robocon_course.robot import DEAD_WHEELS, LIDARS, SATURATED, WEAKEST, Observation
 
 COUNTER_BITS = 32
 """Counters are compared in so many bits: no wheel turns by half of that between two readings."""
 HEADINGS = ("wheels", "gyro", "fused")
+LONGEST_GAP = 0.5
+"""A clock that goes on by more from one observation to the next has leapt [s]."""
+PATIENCE = 10
+"""After so many useless observations in a row a leap of the clock is believed."""
+LEAP = 3.0
+"""So much a rate may differ from the wheels' and from the last one [rad/s]: more is no motion."""
+MOST_TICKS = 2.0**53
+"""Up to here a float is a whole number."""
 LIDAR_CONE = radians(20.0)
 """A beam that meets a wall more slantingly is no measure of the distance from it."""
 
@@ -126,15 +134,27 @@ class Reckoning(NamedTuple):
     heading : odometry.HeadingState
         Heading and the gyroscope's bias.
     time : float  [s]
-        Of the last observation; NaN: none yet.
-    ticks : ndarray of int64, shape (3,)
+        Of the last observation that was used; NaN: none yet.
+    ticks : ndarray of int64, shape (3,), or None
         Its counters.
+    rate : float  [rad/s]
+        What the gyroscope said last; NaN: nothing.
+    fresh : bool
+        Whether the last observation was used. If not, the pose is as old as the one before.
+    missed : int
+        Observations in a row that were not used.
+    rejected : int
+        Observations that could not be used, and gyroscope readings that nothing explains.
     """
 
     pose: FloatArray
     heading: odometry.HeadingState
     time: float = nan
     ticks: NDArray[np.int64] | None = None
+    rate: float = nan
+    fresh: bool = False
+    missed: int = 0
+    rejected: int = 0
 
     @classmethod
     def at(cls, pose: ArrayLike) -> Reckoning:
@@ -153,7 +173,7 @@ class Reckoning(NamedTuple):
         ValueError
             Not a pose.
         """
-        pose = as_floats(pose, "pose", 3)
+        pose = as_floats(pose, "pose", 3).copy()
         return cls(pose, odometry.HeadingState(yaw=float(pose[2])))
 
 
@@ -165,34 +185,60 @@ def reckon(
 ) -> Reckoning:
     """One step of `dead_reckoning` by wheels and gyroscope together, for a control loop.
 
+    A clock that stands, runs back or leaps, and counters that are no numbers, make an observation
+    useless: it is counted and the pose stays. Where the clock goes on from another time, the
+    counters tell after a few of them how far the robot came meanwhile.
+
     Parameters
     ----------
     parts : Parts
     state : Reckoning
         Before; it is left as it is.
     observation : Observation
-        One that is not later than the last changes nothing.
     wheels : TrackingWheels
         What the robot believes of its dead wheels.
 
     Returns
     -------
     Reckoning
+
+    Raises
+    ------
+    ValueError
+        Counters or gyroscope of another shape. Never for a value: this runs in a control loop.
     """
-    now, ticks = observation.time, np.asarray(observation.ticks)
-    if state.ticks is None:
-        return state._replace(time=now, ticks=ticks)
+    now, count = float(observation.time), len(wheels.radius)
+    ticks = as_floats(observation.ticks, "observation.ticks", count, finite=False).copy()
+    gyro = as_floats(observation.gyro, "observation.gyro", None, 3, finite=False)[:, 2]
+    usable = isfinite(now) and bool((np.abs(ticks) < MOST_TICKS).all())
+    if usable and state.ticks is None:
+        return state._replace(time=now, ticks=ticks.astype(np.int64), fresh=True)
     dt = now - state.time
-    if not dt > 0.0:
-        return state
-    changes = parts.tick_changes(np.array([state.ticks, ticks]), COUNTER_BITS)
+    leapt = usable and not 0.0 < dt <= LONGEST_GAP
+    if not usable or (leapt and (dt == 0.0 or state.missed < PATIENCE)):
+        return state._replace(fresh=False, missed=state.missed + 1, rejected=state.rejected + 1)
+    changes = parts.tick_changes(np.array([state.ticks, ticks]).astype(np.int64), COUNTER_BITS)
     travel = parts.wheel_travel(wheels, changes)
-    by_wheels = float(np.asarray(parts.body_deltas(wheels, travel))[0, 2])
-    rate = float(observation.gyro[:, 2].mean()) if len(observation.gyro) else nan
-    heading = odometry.fuse_heading(state.heading, rate, by_wheels / dt, dt)
+    turned = float(np.asarray(parts.body_deltas(wheels, travel))[0, 2])
+    rate, strange = (nan, False) if leapt else _rate(gyro, turned / dt, state.rate)
+    step = dt if not leapt else LONGEST_GAP
+    believed = nan if strange else rate
+    heading = odometry.fuse_heading(state.heading, believed, turned / step, step)
     deltas = parts.body_deltas(wheels, travel, np.array([state.heading.yaw, heading.yaw]))
-    pose = np.asarray(parts.integrate(deltas, state.pose), float)[-1]
-    return Reckoning(pose, heading, now, ticks)
+    pose = np.array(parts.integrate(deltas, state.pose), float)[-1]
+    ticks, rejected = ticks.astype(np.int64), state.rejected + strange
+    return Reckoning(pose, heading, now, ticks, rate, True, rejected=rejected)
+
+
+def _rate(gyro: FloatArray, by_wheels: float, last: float) -> tuple[float, bool]:
+    """The gyroscope's mean rate [rad/s], and whether neither wheels nor the last one explain it.
+
+    One such reading is a disturbance on the line. A second one is a robot that really turns.
+    """
+    known = gyro[np.isfinite(gyro)]
+    rate = float(known.mean()) if len(known) else nan
+    before = last if isfinite(last) else by_wheels
+    return rate, abs(rate - by_wheels) > LEAP and abs(rate - before) > LEAP
 
 
 def lidar_y(observation: Observation, heading: float) -> float:
@@ -209,9 +255,12 @@ def lidar_y(observation: Observation, heading: float) -> float:
         y of the robot's middle; NaN where no LiDAR looks that way within `LIDAR_CONE`, or it does
         not trust itself.
     """
-    for mount, reading in zip(LIDARS, observation.lidar, strict=True):
+    if not isfinite(heading):
+        return nan
+    for mount, reading in zip(LIDARS, observation.lidar, strict=False):
         off = remainder(mount.angle + heading - pi / 2, TURN)
-        if abs(off) <= LIDAR_CONE and reading.distance > 0.0:
+        sure = WEAKEST <= reading.strength < SATURATED and 0.0 < reading.distance < inf
+        if abs(off) <= LIDAR_CONE and sure:
             seat = mount.x * sin(heading) + mount.y * cos(heading)
             return field.SIZE - reading.distance * cos(off) - seat
     return nan

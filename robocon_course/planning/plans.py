@@ -93,8 +93,8 @@ def checked_task(grid: GridMap, start: ArrayLike, goal: ArrayLike, clearance: fl
         if not grid.contains(point):
             x0, x1, y0, y1 = grid.extent
             raise NoPathError(
-                f"{at} lies outside the map, which spans x {x0:g} to {x1:g} m and "
-                f"y {y0:g} to {y1:g} m; are these metres, and in this order?",
+                f"{at} lies outside the map, which spans x {x0:g} to {x1:g} m and y {y0:g} to "
+                f"{y1:g} m without its upper edges; are these metres, and in this order?",
                 "outside",
             )
         row, col = grid.cells(point).tolist()
@@ -212,7 +212,7 @@ def no_way(task: Task, reached: int) -> NoPathError:
 
 
 def nearest_free(grid: GridMap, xy: ArrayLike, *, clearance: float = 0.0) -> FloatArray:
-    """The middle of the free cell nearest to a point: where to plan from when it is not free.
+    """The middle of a point's cell, or of the nearest one that is free: where to plan from.
 
     Parameters
     ----------
@@ -238,8 +238,10 @@ def nearest_free(grid: GridMap, xy: ArrayLike, *, clearance: float = 0.0) -> Flo
     >>> nearest_free(GridMap(np.array([[False, True, True]]), 1.0), [0.2, 0.5]).tolist()
     [1.5, 0.5]
     """
-    point = as_floats(xy, "xy", 2)
-    centres = grid.centres(np.argwhere(inflated(grid, clearance).free))
+    point, room = as_floats(xy, "xy", 2), inflated(grid, clearance)
+    if room.is_free(point):
+        return room.centres(room.cells(point))
+    centres = grid.centres(np.argwhere(room.free))
     if not len(centres):
         raise NoPathError(
             f"no cell of the map is free with a clearance of {clearance:g} m; take a smaller one",

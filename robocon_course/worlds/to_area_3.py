@@ -36,8 +36,6 @@ TAPE, TURNS = 0.001, radians(0.2)
 """What the run and the spin of the calibration are measured to [m, rad]."""
 LATE, PATIENCE = 1.5, 2.0
 """A robot that needs so many times the time of its profile, and so many seconds, is stopped."""
-STANDS = 0.01
-"""Slower than this the robot stands [m/s]."""
 SLOWED = {"friction": 0.3, "steering_lag": 0.1, "drive_lag": 0.1}
 """A dusty floor and tired motors."""
 WORN = 4
@@ -71,6 +69,8 @@ class FieldDrive:
         What the speed profile needs for the path.
     contacts : int
         How often the body began to touch something.
+    rejected : int
+        Readings that the robot could not use.
     lidar_y : float  [m, map]
         What the LiDAR that looks at the far fence says at the end; NaN: nothing. Before Area 3 it
         meets the water's frame, and says too much.
@@ -88,6 +88,7 @@ class FieldDrive:
     route: Route
     limit: float
     contacts: int
+    rejected: int
     lidar_y: float
 
     __post_init__ = freeze_arrays
@@ -133,7 +134,7 @@ class FieldDrive:
             + (f"; LiDAR: {height}" if in_area_3 else ""),
             f"cross-track error: {1000 * self.off:.0f} mm RMS, "
             f"{1000 * self.cross_track.max():.0f} mm at most; touched something "
-            f"{self.contacts} times",
+            f"{self.contacts} times; {self.rejected} readings rejected",
         )
 
 
@@ -243,7 +244,7 @@ def _driven(
         command = pilot.tick(seen)
         rows.append((seen.time, truth.pose, pilot.reckoning.pose, seen.module_angles,
                      seen.module_speeds))  # fmt: skip
-        if seen.time >= REST and pilot.arrived and hypot(*truth.twist[:2]) < STANDS:
+        if seen.time >= REST and pilot.arrived:
             break
         robot.apply(command)
         robot.step(CYCLE)
@@ -267,6 +268,7 @@ def _driven(
         route=pilot.route,
         limit=limit,
         contacts=truth.contacts,
+        rejected=pilot.rejected,
         lidar_y=lidar_y(pilot.seen, pilot.reckoning.pose[2]),
     )
 
