@@ -44,7 +44,7 @@ show(
 # %% [markdown]
 # ## 2. See it work
 #
-# This is your field: your student number strewed the boxes. The search spreads from the start.
+# This is your field: your student number decides where boxes stand. The search spreads from the start.
 # Pale cells come first, dark ones last. When it reaches the goal, the way is known.
 #
 # Black is not free. Grey is free, but too near for the middle of a robot 0.65 m wide.
@@ -55,8 +55,8 @@ plan = planning.astar(room, world.start, world.goal, watch=True)
 marks = {"start": world.start, "goal": world.goal}
 show(
     animate_search(world.grid, plan, room=room, markers=marks),
-    f"The search goes on from {plan.expanded} of {room.free.sum()} cells and finds a way of "
-    f"{plan.length:.2f} m from the start zone to Area 3.",
+    f"The search goes on from {plan.expanded} of {room.free.sum()} cells and finds the shortest way "
+    "from the start zone to Area 3.",
 )
 
 # %% [markdown]
@@ -68,12 +68,13 @@ show(
 # |---|---|---|
 # | `grid.free[row, col]` | True where nothing stands; row 0 at the smallest y | |
 # | `grid.resolution` | side of a cell | m |
+# | `grid.origin` | corner of cell (0, 0) with the smallest x and y | m, map |
 # | `grid.cells(xy)`, `grid.centres(cells)` | from metres to cells and back | |
 # | $g(n)$ `cost` | length of the best way found from the start to cell n | cells |
 # | $h(n)$ | estimate of what is left from n to the goal | cells |
 # | $f(n) = g(n) + h(n)$ | length of a way through n, as far as known | cells |
 # | $w$ `weight` | how much the estimate counts | |
-# | $\kappa$ `max_curvature` | one over the radius of a bend | 1/m |
+# | $\kappa$ `max_curvature` | one over the radius of a bend; section 9 | 1/m |
 #
 # **Row before column, y before x.** `xy` is in metres, x first. A cell is `(row, col)`: y first.
 
@@ -178,8 +179,8 @@ show(
 # %% [markdown]
 # ## 5. What is left, at least
 #
-# Dijkstra's search goes on from the cell with the smallest cost $g$. It spreads to all sides. A* adds
-# what is left:
+# A search *expands* cells: it takes one, looks at its neighbours, and goes on from there. Dijkstra's
+# search expands the cell with the smallest cost $g$. It spreads to all sides. A* adds what is left:
 #
 # $$f(n) = g(n) + h(n)$$
 #
@@ -193,8 +194,8 @@ show(
 # | octile | $\max(a, b) + (\sqrt 2 - 1) \min(a, b)$ | yes, and exact on an empty map |
 # | Manhattan | $a + b$ | **no**: a diagonal step is $\sqrt 2$, it counts 2 |
 #
-# An estimate that is never more than what is left is **admissible**. Why does that matter? Say the
-# goal is taken out with cost $C$. Every cell still waiting has $f \ge C$. With an admissible $h$ no way through one of
+# An estimate that is never more than what is left is **admissible**. Why does that matter? Say it is
+# the goal's turn, with cost $C$. Every cell still waiting has $f \ge C$. With an admissible $h$ no way through one of
 # them can be shorter than its $f$. So $C$ is the shortest. If $h$ is too large, this fails.
 
 # %%
@@ -216,7 +217,7 @@ words = ", ".join(f"{name} {p.expanded} cells and {p.length:.2f} m" for name, p 
 show(fig, f"The same way looked for with four estimates: {words}.")
 
 # %% [markdown]
-# Manhattan looks at the fewest cells. On your field it may even find the shortest way. Here is a map
+# Manhattan expands the fewest cells. On your field it may even find the shortest way. Here is a map
 # on which it does not.
 
 # %%
@@ -323,8 +324,9 @@ neighbours = check("planning.neighbours")
 # 2. For each of its neighbours: is the way through this cell cheaper than any before?
 # 3. If so, note the new cost and where you came from, and put the neighbour on the heap.
 #
-# A cell may wait several times. Only its cheapest entry matters; it comes out first. In the end go
-# back from the goal along "where you came from". That part is given:
+# A cell may wait several times. Its cheapest entry comes out first; later ones may be skipped. In the
+# end go back from the goal along "where you came from". The start came from nowhere: it has no entry.
+# That part is given:
 
 
 # %%
@@ -333,6 +335,8 @@ def way_back(came_from, last):
     way = [last]
     while way[-1] in came_from:
         way.append(came_from[way[-1]])
+        if len(way) > len(came_from) + 1:
+            raise ValueError("came_from leads round in a circle; has the start an entry?")
     return way[::-1]
 
 
@@ -348,7 +352,7 @@ print("comes out first:", heapq.heappop(queue))
 # `grid` is room for the robot's middle already. Start and goal are in metres:
 # `tuple(grid.cells(start).tolist())` is a cell that a dictionary can take. At the end
 # `planning.plan_through(grid, cells, expanded)` makes the plan; `expanded` is the number of cells
-# from which the search went on.
+# from which the search went on, with the goal or without.
 #
 # If start or goal is not free, or no way leads there, raise
 # `planning.NoPathError("a sentence that says why", "enclosed")`.
@@ -387,13 +391,14 @@ astar = check("planning.astar")
 # The last case was the game field with boxes, and the check told you how long your search took.
 # Python is slow and yours is good enough: the robot plans once, and drives for ten seconds. How
 # fast can it be? The course's search is the same idea, compiled, with whole numbers for costs and
-# stacks in the place of the heap.
+# stacks instead of the heap.
 
 # %%
 for name, search in {"yours": astar, "the course's": planning.astar}.items():
     begun = time.perf_counter()
     way = search(room, world.start, world.goal)
-    print(f"{name:13s} {way.length:.3f} m, {1000 * (time.perf_counter() - begun):7.1f} ms")
+    spent = 1000 * (time.perf_counter() - begun)
+    print(f"{name:13s} {way.expanded:6d} cells, {spent:7.1f} ms")
 
 # %% [markdown]
 # ### Your number: the way over your field (1 point)
@@ -631,7 +636,7 @@ show(
         markers={"": turns} if turns else marks,
     ),
     f"Through {len(world.hidden)} boxes that it does not know the robot plans anew {len(turns)} times, "
-    f"and drives {driven:.2f} m in the place of {first.length:.2f} m.",
+    f"and drives {driven:.2f} m instead of {first.length:.2f} m.",
 )
 
 # %% [markdown]
@@ -753,7 +758,7 @@ except planning.NoPathError as refusal:
     print(f"{refusal.reason}: {refusal}")
 
 # %% [markdown]
-# If the search refuses, that is luck. Draw the map once, with the start on it.
+# Where a search refuses, that is luck. Draw the map once, with the start on it.
 #
 # **Start without room.** The robot was pushed against the fence. Its middle stands in a cell that is not
 # free, and no way leads out of it. `nearest_free` says where to go first.
@@ -875,9 +880,8 @@ show(fig, f"How often Manhattan misses the shortest way. {'; '.join(words)}.")
 
 # %%
 ratio = 1_855_077_841 / 1_311_738_121
-print(
-    f"14 / 10 is off by {100 * (1 - 1.4 / math.sqrt(2)):.2f} %, ours by {abs(ratio / math.sqrt(2) - 1):.0e}"
-)
+near = abs(ratio / math.sqrt(2) - 1) < 1e-15
+print(f"14 / 10 is off by {100 * (1 - 1.4 / math.sqrt(2)):.2f} %, ours by less than 1e-15: {near}")
 
 # %% [markdown]
 # **Eight directions.** Its robot drives from cell to cell. Published: 4.8 % error in distance, 4.34 %
@@ -973,7 +977,7 @@ show(
 #
 # It is judged by the time that the robot takes, with 2 m/s, 2 m/s² along the way and 3 m/s² across
 # it. Where a bend is tighter than allowed by a quarter, it stops. What the course's own way gains
-# against the way as it comes counts as 100 %. Miss at most 40 % of it on the worst of three fields,
+# against the way as it comes counts as 100 %. Lose at most 40 % of it on the worst of three fields,
 # and you earn all points; at most 85 %, and you earn half.
 #
 # Ideas: spread points over the legs, 5 cm apart, and keep the corners. Look where it bends too

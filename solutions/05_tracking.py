@@ -51,8 +51,9 @@ eight_speeds = tracking.speed_profile(eight, 2.0, 2.0, 2.0)
 
 
 # %% [markdown]
-# One tick of the robot: how fast here, which way, how far beside the path? Section 13 explains it.
-# You build its four parts: `nearest_point`, `pure_pursuit`, `pid_step`, `speed_profile`.
+# One tick of the robot: how fast here, which way, how far beside the path? Read over it for now;
+# section 13 explains each line. You build its four parts: `nearest_point`, `pure_pursuit`, `pid_step`,
+# `speed_profile`.
 
 # %%
 SIDE, HOLD, LIMITS = PidGains(4.0), PidGains(4.0), PidLimits(-1.0, 1.0)
@@ -119,7 +120,7 @@ show(
 # |---|---|---|
 # | $e$ | setpoint minus measurement | here rad |
 # | $u$ `output` | here: by how much the right wheel is faster than the left | m/s |
-# | $k_p, k_i, k_d$ `gains` | strength of the three terms | m/s per rad; per rad s; per rad/s |
+# | $k_p, k_i, k_d$ `gains` | strength of the three terms | m/s per rad; m/s per (rad s); m/s per (rad/s) |
 # | `limits` | least and greatest output | m/s |
 # | $\Delta t$ `dt` | time since the sample before | s |
 #
@@ -219,8 +220,8 @@ show(
 
 # %% [markdown]
 # **A sensor that says nothing.** `nan` in, `nan` out, and then for ever: `nan` is in the integral.
-# A lost sample must change nothing but two counters: `rejected`, and `gap`, the time without a
-# measurement. The next derivative is spread over the whole gap.
+# A lost sample must change nothing but `rejected`, which counts such samples, and `gap`, the time
+# without a measurement. The next derivative is spread over the whole gap.
 #
 # ### Exercise: one step (4 points)
 #
@@ -410,8 +411,8 @@ show(
 #
 # **Not the nearest of all.** A path may come back on itself. Then the nearest point of the whole path
 # may lie on another leg, and the robot takes a short cut through everything. So the search begins at
-# the segment of last time, and gives up when so much of the path, `reach`, lies behind the nearest
-# point so far.
+# the segment of last time. It gives up when a segment *ends* more than `reach` farther along the path
+# than the nearest point so far. A segment that is begun is searched whole.
 
 # %%
 hairpin = worlds.finely([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.0, 0.5]], 0.05)
@@ -555,8 +556,11 @@ show(
 #
 # Build it on your own two functions: `nearest_point` with `reach = lookahead`, then
 # `lookahead_point` from there on. `index` is the segment of the *nearest* point: the next call starts
-# there. `done`: the target is the end of the path, no more of the path than `tracking.TOLERANCE` is
-# left from the nearest point on, and the nearest point is nearer than the look-ahead.
+# there. `done` is true if all three hold:
+#
+# - the target is the end of the path,
+# - along the path no more than `tracking.TOLERANCE`, 1 cm, is left from the nearest point on,
+# - the nearest point is nearer than the look-ahead.
 
 
 # %% exercise="tracking.pure_pursuit"
@@ -594,7 +598,7 @@ pure_pursuit = check("tracking.pure_pursuit")
 #
 # Farther at speed, because wheels are late: what you order now happens while you drive on.
 # `tracking.TrackingSettings` holds `k` and `least`, the `speed` on straights, and the `lateral`
-# acceleration allowed in bends. The whole loop, with your own functions:
+# acceleration allowed in bends. The whole loop, on your own pursuit:
 
 
 # %%
@@ -735,7 +739,7 @@ speed_profile = check("tracking.speed_profile")
 
 # %%
 bends = np.sqrt(2.0 / np.maximum(np.abs(tracking.path_curvature(eight)), 1e-9))
-speeds = speed_profile(eight, 2.0, 2.0, 2.0)
+speeds = np.asarray(speed_profile(eight, 2.0, 2.0, 2.0))
 slow = geometry.distance_along(eight)[-1] / speeds[20:-20].min()
 takes = tracking.profile_times(eight, tracking.speed_profile(eight, 2.0, 2.0, 2.0))[-1]
 show(

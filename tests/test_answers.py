@@ -290,8 +290,6 @@ WAYS = {
     "def f(q): return a.euler_angles(q)",
     "as a part of the robot": "from robocon_course.autopilot import Parts\n"
     "def f(q): return Parts().euler_angles(q)",
-    "as the exercise's reference": "from robocon_course.exercises import registry\n"
-    "def f(q): return registry.exercise('imu.euler_angles').reference(q)",
     "caught and tried again": """
 from robocon_course import imu
 def f(q):
@@ -308,6 +306,22 @@ def test_an_answer_that_calls_the_courses_own_is_told_so(source):
         reply = answer.call("f", (np.array([1.0, 0, 0, 0]),))
     assert reply.error == "NotYourOwn"
     assert reply.message == "robocon_course.imu.attitude.euler_angles"
+
+
+@pytest.mark.parametrize(
+    "way",
+    [
+        "from robocon_course.exercises.planning import search",
+        "import robocon_course.exercises as e",
+        "import importlib; importlib.import_module('robocon_course.exercises.planning.search')",
+    ],
+)
+def test_the_catalogue_of_answers_is_closed_to_answers(way):
+    with AnswerProcess() as process:
+        process.load("def f(x):\n    return x\n", ())
+        assert process.load(f"{way}\ndef f(x):\n    return x\n", ()).error == "NotYourOwn"
+        assert process.load(f"def f(x):\n    {way}\n    return x\n", ()).error == ""
+        assert process.call("f", (1,)).error == "NotYourOwn"
 
 
 def test_a_property_that_would_answer_in_its_place_can_be_blocked():

@@ -582,3 +582,10 @@ def test_a_robot_that_turns_one_way_drives_a_circle():
 def test_a_robot_that_cannot_be_is_refused(call, sentence):
     with pytest.raises(ValueError, match=sentence):
         call()
+
+
+def test_two_huge_readings_leave_no_nan_behind():
+    pid = Pid(PidGains(1.0, 1.0, 1.0, 0.1), PidLimits(-1.0, 1.0))
+    for measured in (0.0, 1e308, -1e308, 0.0, 0.0, 0.5):
+        assert -1.0 <= pid.update(0.0, measured, 0.01) <= 1.0
+    assert pid.rejected >= 1

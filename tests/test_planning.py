@@ -430,6 +430,33 @@ def test_a_map_of_ros_can_be_planned_on(tmp_path):
     np.testing.assert_allclose(plan.xy[0], [-2.375, 7.125])
 
 
+def test_a_map_that_map_server_wrote_can_be_planned_on(tmp_path):
+    """As map_saver writes it: a comment, 254 free, 0 wall, 205 unknown; row 0 at the top."""
+    rows = [
+        "#########",
+        "#.......#",
+        "#.####..#",
+        "#.#??#..#",
+        "#.####..#",
+        "#.......#",
+        "#########",
+    ]
+    grey = {"#": 0, ".": 254, "?": 205}
+    pixels = bytes(grey[sign] for row in rows for sign in row)
+    header = b"P5\n# CREATOR: map_saver.cpp 0.050 m/pix\n9 7\n255\n"
+    (tmp_path / "hall.pgm").write_bytes(header + pixels)
+    (tmp_path / "hall.yaml").write_text(
+        "image: hall.pgm\nresolution: 0.050000\norigin: [-12.200000, -13.800000, 0.000000]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n\n"
+    )
+    grid = load_map(tmp_path / "hall.yaml")
+    corners = grid.centres([(1, 1), (5, 1)])  # bottom left to top left: straight up
+    assert astar(grid, *corners).length == pytest.approx(0.05 * 4)
+    assert not grid.free[3, 3] and grid.free.sum() == 24
+    with pytest.raises(NoPathError, match="lies in an obstacle"):
+        astar(grid, corners[0], grid.centres((3, 3)))
+
+
 def peaks_of(grid: GridMap, monkeypatch, **options) -> tuple[float, float]:
     """Most memory held [bytes a cell of the map] until the goal was reached, and in the end."""
     reached, trace = [], search.trace

@@ -194,8 +194,9 @@ def test_a_half_smooth_way_earns_half():
 # --- through the unknown ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("student", STUDENTS[:4])
-def test_ten_of_ten_journeys_of_a_square_body_arrive_and_touch_nothing(student):
+@pytest.mark.parametrize("planner", ["mended", "from nothing"])
+@pytest.mark.parametrize("student", STUDENTS[:2])
+def test_ten_of_ten_journeys_of_a_square_body_arrive_and_touch_nothing(student, planner):
     known = field.obstacle_map(0.05)
 
     def room(grid: GridMap) -> GridMap:
@@ -204,11 +205,19 @@ def test_ten_of_ten_journeys_of_a_square_body_arrive_and_touch_nothing(student):
     for k in range(10):
         truth = worlds.passable_field(worlds.generator(student, "journeys", str(k)))
         run = planning.travel(
-            truth, field.START, field.AREA_3_GOAL, reach=1.5, known=known, room=room
+            truth,
+            field.START,
+            field.AREA_3_GOAL,
+            reach=1.5,
+            known=known,
+            room=room,
+            planner=None
+            if planner == "mended"
+            else lambda seen, xy: planning.astar(room(seen), xy, field.AREA_3_GOAL),
         )
         assert truth.cells(run.xy[-1]).tolist() == truth.cells(field.AREA_3_GOAL).tolist()
         assert truth.is_free(run.xy).all()
-        assert room(truth).is_free(run.xy).mean() > 0.98, "but where it saw too late"
+        assert room(truth).is_free(run.xy).all()
 
 
 # --- pictures ---------------------------------------------------------------------------------

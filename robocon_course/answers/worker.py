@@ -41,6 +41,15 @@ class Printed(io.TextIOBase):
         return len(text)
 
 
+class Closed:
+    """An import hook: the exercises hold right and wrong answers, and no answer may read them."""
+
+    def find_spec(self, name: str, *_: Any) -> None:
+        """Refuse the room of the exercises; leave all other names to the next finder."""
+        if name.startswith("robocon_course.exercises"):
+            raise NotYourOwn("robocon_course.exercises")
+
+
 def block(names: list[str]) -> None:
     """Make the course's own answers raise, wherever a module of the course holds them.
 
@@ -86,6 +95,8 @@ class Worker:
         module = sys.modules["answer"] = types.ModuleType("answer")
         self.source, self.names = source, vars(module)
         block(blocked)
+        if not any(isinstance(finder, Closed) for finder in sys.meta_path):
+            sys.meta_path.insert(0, Closed())
         exec(compile(source, FILENAME, "exec"), self.names)
 
     def call(self, name: str, args: tuple) -> Any:

@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
-from robocon_course._arrays import FloatArray
+from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.gridmap import GridMap
 from robocon_course.planning.path import as_positive
 from robocon_course.planning.plans import Plan, checked_task, inflated
@@ -98,7 +98,8 @@ def visible_cells(grid: GridMap, xy: ArrayLike, reach: float) -> NDArray[np.bool
     Returns
     -------
     ndarray of bool, shape (rows, cols)
-        Free cells and the first obstacle on each beam; beams lie at most half a cell apart.
+        Free cells and the first obstacle on each beam; beams lie at most half a cell apart. From
+        outside the map nothing is seen.
 
     Raises
     ------
@@ -113,7 +114,7 @@ def visible_cells(grid: GridMap, xy: ArrayLike, reach: float) -> NDArray[np.bool
     cells = min(as_positive(reach, "reach") / grid.resolution, float(sum(grid.shape)))
     seen = np.zeros(grid.shape, dtype=bool)
     blocked = np.logical_not(grid.free).view(np.uint8)
-    x, y = in_cells(grid, np.asarray(xy, dtype=np.float64))
+    x, y = in_cells(grid, as_floats(xy, "xy", 2))
     look(blocked, x, y, cells, max(64, ceil(4.0 * pi * cells)), seen)
     return seen
 

@@ -22,7 +22,7 @@ class NoPathError(CourseError, ValueError):
         one end to the other, or none without sharp bends.
     """
 
-    def __init__(self, message: str, reason: str) -> None:
+    def __init__(self, message: str, reason: str = "enclosed") -> None:
         super().__init__(message)
         self.reason = reason
 

@@ -174,6 +174,8 @@ class Pid:
         if not -self._cap <= integral <= self._cap:
             integral = self._cap if integral > 0.0 else -self._cap
         output = proportional + integral + derivative
+        if output - output != 0.0:  # two huge numbers beside each other are no measurement
+            return self._miss(dt)
         # At a limit, the integral may shrink but not push further.
         if output > self._high:
             output = self._high

@@ -135,7 +135,10 @@ def pure_pursuit(
 
     Notes
     -----
-    Coulter 1992. A robot that passed the end is done, though it may be up to a look-ahead away: it
+    Coulter 1992. Where the target lies exactly behind the robot, the circle is a straight line away
+    from it: whoever steers has to turn the robot first, as the autopilot does with its course.
+
+    A robot that passed the end is done, though it may be up to a look-ahead away: it
     is for the speed to bring it to rest there.
 
     Examples
