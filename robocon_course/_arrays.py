@@ -84,6 +84,30 @@ def as_vectors(value: ArrayLike, name: str, size: int) -> FloatArray:
     return as_floats(value, name, *leading, size, finite=False)
 
 
+def as_distance(value: float, name: str) -> float:
+    """A distance from 0 on, checked.
+
+    Parameters
+    ----------
+    value : float  [m]
+    name : str
+        Name of the argument, for the message.
+
+    Returns
+    -------
+    float  [m]
+
+    Raises
+    ------
+    ValueError
+        Not one finite number, or negative.
+    """
+    distance = float(as_floats(value, name))
+    if distance < 0.0:
+        raise ValueError(f"{name}: must not be negative, got {value!r}")
+    return distance
+
+
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
     """A copy of an array that nobody can write to."""
     array = array.copy()

@@ -7,7 +7,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robocon_course._arrays import as_floats
+from robocon_course._arrays import as_distance, as_floats
 from robocon_course.gridmap.grid import GridMap
 
 
@@ -79,9 +79,7 @@ def inflate(grid: GridMap, radius: float) -> GridMap:
     """
     import cv2
 
-    radius = float(as_floats(radius, "radius"))
-    if radius < 0.0:
-        raise ValueError(f"radius: must not be negative, got {radius!r}")
+    radius = as_distance(radius, "radius")
     room = cv2.erode(np.pad(grid.free, 2).view(np.uint8), np.ones((3, 3), np.uint8))
     distance = cv2.distanceTransform(room, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[2:-2, 2:-2]
     # Squared, a distance in cells is a whole number: rounded, it is exact.
@@ -127,9 +125,7 @@ def inflate_square(grid: GridMap, half: float) -> GridMap:
     """
     import cv2
 
-    half = float(as_floats(half, "half"))
-    if half < 0.0:
-        raise ValueError(f"half: must not be negative, got {half!r}")
+    half = as_distance(half, "half")
     # What rounding adds to a quotient must not cost a cell; beyond the whole map nothing changes.
     reach = ceil(min(half / grid.resolution, float(max(grid.shape))) - 1e-9)
     blocked = np.pad(~grid.free, 1, constant_values=True).astype(np.uint8)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robocon_course._arrays import CourseError, FloatArray, as_floats
+from robocon_course._arrays import CourseError, FloatArray, as_distance, as_floats
 from robocon_course.gridmap import GridMap, inflate
 
 
@@ -127,9 +127,7 @@ def inflated(grid: GridMap, clearance: float) -> GridMap:
     ValueError
         Negative or not finite.
     """
-    clearance = float(as_floats(clearance, "clearance"))
-    if clearance < 0.0:
-        raise ValueError(f"clearance: must not be negative, got {clearance!r}")
+    clearance = as_distance(clearance, "clearance")
     return inflate(grid, clearance) if clearance > 0.0 else grid
 
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import copy
-import sys
 from collections.abc import Callable
 
 import numpy as np
 
-from robocon_course.answers.process import Reply
-from robocon_course.exercises.compare import difference
+from robocon_course.exercises.likeness import like_case
 from robocon_course.exercises.model import Case
 from robocon_course.geometry import wrap_angle
 from robocon_course.swerve import ModuleTargets
@@ -29,16 +26,9 @@ def modules_case(what: str, reference: Callable[..., ModuleTargets], *args: obje
         What answer and reference are called with.
     """
 
-    def judge(reply: Reply) -> str | None:
-        if reply.error:
-            return f"{reply.error}: {reply.message}"
-        expected = reference(*copy.deepcopy(args))
-        wrong_form = difference(reply.value, expected, sys.float_info.max)
-        if wrong_form:
-            return wrong_form
-        angles = np.asarray(reply.value.angles, float)
-        same = np.abs(wrap_angle(angles - expected.angles)) < CLOSE
-        came = ModuleTargets(reply.value.speeds, np.where(same, expected.angles, angles))
-        return difference(came, expected, CLOSE)
+    def same(came: ModuleTargets, expected: ModuleTargets) -> ModuleTargets:
+        angles = np.asarray(came.angles, float)
+        alike = np.abs(wrap_angle(angles - expected.angles)) < CLOSE
+        return ModuleTargets(came.speeds, np.where(alike, expected.angles, angles))
 
-    return Case(what, args, "", CLOSE, judge=judge)
+    return like_case(what, reference, args, same, CLOSE)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import copy
-import sys
 from collections.abc import Callable
 
 import numpy as np
 
-from robocon_course.answers.process import Reply
-from robocon_course.exercises.compare import difference
+from robocon_course.exercises.likeness import like_case
 from robocon_course.exercises.model import Case
 from robocon_course.tracking import PathPoint
 
@@ -33,20 +30,13 @@ def point_case(what: str, reference: Callable[..., PathPoint], *args: object) ->
         What answer and reference are called with.
     """
 
-    def judge(reply: Reply) -> str | None:
-        if reply.error:
-            return f"{reply.error}: {reply.message}"
-        expected = reference(*copy.deepcopy(args))
-        wrong_form = difference(reply.value, expected, sys.float_info.max)
-        if wrong_form:
-            return wrong_form
-        came, last = reply.value, len(args[0]) - 2
-        same = abs(came.index + came.share - expected.index - expected.share) < CLOSE
-        if same and 0 <= came.index <= last:
-            came = came._replace(index=expected.index, share=expected.share)
-        return difference(came, expected, CLOSE)
+    def same(came: PathPoint, expected: PathPoint) -> PathPoint:
+        apart = abs(came.index + came.share - expected.index - expected.share)
+        if apart < CLOSE and 0 <= came.index <= len(args[0]) - 2:
+            return came._replace(index=expected.index, share=expected.share)
+        return came
 
-    return Case(what, args, "", CLOSE, judge=judge)
+    return like_case(what, reference, args, same, CLOSE)
 
 
 def some_path(rng: np.random.Generator, points: int = 7) -> Path:
