@@ -394,9 +394,9 @@ def blocks(pixels, side=6):
 def test_painted_and_drawn_robots_are_the_same_picture():
     """The two painters are each other's naive twin; one makes its polygons half a pixel larger."""
     around = {"window": (1.0, 4.0, 2.0, 4.5)}
-    backdrop, scale, inside = animation._backdrop(view.draw_field(**around))
+    backdrop, scale, inside = animation.backdrop_of(view.draw_field(**around))
     painted = blocks(np.asarray(animation._frame(backdrop, scale, inside, 0.0, [ROBOT]))[inside])
-    drawn = blocks(animation._backdrop(view.draw_field(robot=ROBOT, **around))[0][inside])
+    drawn = blocks(animation.backdrop_of(view.draw_field(robot=ROBOT, **around))[0][inside])
     changed = np.abs(drawn - blocks(backdrop[inside])).max(axis=-1)
     assert (changed > 60).sum() > 300
     assert np.abs(painted - drawn).max() < 60
@@ -495,7 +495,7 @@ def test_an_animation_shows_the_robot_where_it_is_at_that_time():
     frames = gif_frames(moving)
     assert len(frames) == 11
     paint = np.array([round(255 * part) for part in to_rgb(body.BODY)])
-    _, scale, (rows, columns) = animation._backdrop(view.draw_field(window=SMALL))
+    _, scale, (rows, columns) = animation.backdrop_of(view.draw_field(window=SMALL))
     bodies = [np.abs(frame[rows, columns] - paint).max(axis=-1) < 8 for frame, _ in frames]
     middles = [np.argwhere(seen)[:, 1].mean() for seen in bodies]
     # A steady drive over 2 m: ten equal steps of 33 pixels, but for a few pixels of edges.

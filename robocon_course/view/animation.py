@@ -92,11 +92,11 @@ def animate(
     some = [RobotPicture(first[k], colour=colours[label]) for k in few]
     place = {"markers": markers, "window": window}
     still = png(draw_field(tracks, some, **place))
-    backdrop, scale, inside = _backdrop(draw_field(tracks, **place))
+    backdrop, scale, inside = backdrop_of(draw_field(tracks, **place))
     for count in (frames, frames * 2 // 3, frames // 2, frames // 4):
         chosen = np.searchsorted(time, np.linspace(time[0], time[-1], max(count, 2)))
         scenes = ((time[k], robots_at(k)) for k in chosen.clip(0, time.size - 1))
-        gif = _gif([_frame(backdrop, scale, inside, *scene) for scene in scenes], time)
+        gif = looped_gif([_frame(backdrop, scale, inside, *scene) for scene in scenes], time)
         if len(gif) <= LARGEST_GIF:
             return Animation(gif, still)
     raise ValueError(
@@ -104,7 +104,7 @@ def animate(
     )
 
 
-def _backdrop(fig: Figure) -> tuple[Pixels, Scale, tuple[slice, slice]]:
+def backdrop_of(fig: Figure) -> tuple[Pixels, Scale, tuple[slice, slice]]:
     """A figure as pixels, where the map lies in it, and the part that is field."""
     canvas = FigureCanvasAgg(fig)
     canvas.draw()
@@ -137,7 +137,7 @@ def _frame(
     return image
 
 
-def _gif(images: list[Image.Image], time: FloatArray) -> bytes:
+def looped_gif(images: list[Image.Image], time: FloatArray) -> bytes:
     """A GIF that repeats for ever, with one table of colours for all its pictures."""
     colours = _table(images[:: max(1, len(images) // 8)])
     flat = [image.quantize(palette=colours, dither=Image.Dither.NONE) for image in images]

@@ -13,7 +13,7 @@ from PIL import Image, ImageDraw
 from robocon_course._arrays import FloatArray
 from robocon_course.gridmap import GridMap
 from robocon_course.planning import Plan
-from robocon_course.view.animation import LARGEST_GIF, _backdrop, _gif
+from robocon_course.view.animation import LARGEST_GIF, backdrop_of, looped_gif
 from robocon_course.view.canvas import REFERENCE, TRUTH, Animation, figure, png, styled
 from robocon_course.view.field_picture import (
     OUR_HALF,
@@ -151,7 +151,7 @@ def animate_search(
     """
     place = {"room": room, "markers": markers, "window": window}
     still = png(draw_ways(grid, {"reference": plan.xy}, plan=plan, **place))
-    backdrop, scale, inside = _backdrop(draw_ways(grid, **place))
+    backdrop, scale, inside = backdrop_of(draw_ways(grid, **place))
     order = _order_at(grid, plan, scale, inside)
     last = int(plan.order.max())
     for count in (frames, frames * 2 // 3, frames // 2, frames // 4):
@@ -165,7 +165,7 @@ def animate_search(
             picture[inside] = field
             images.append(_labelled(picture, inside, f"{now} cells"))
         images += [_with_way(images[-1], scale.pixels(plan.xy))] * STAYS
-        gif = _gif(images, np.array([0.0, PLAYS]))
+        gif = looped_gif(images, np.array([0.0, PLAYS]))
         if len(gif) <= LARGEST_GIF:
             return Animation(gif, still)
     raise ValueError(f"animate_search: {len(gif)} bytes even with {count} frames")
@@ -178,8 +178,8 @@ def _order_at(
     rows, cols = (np.arange(part.start, part.stop) + 0.5 for part in inside)
     x = (cols - scale.left) / scale.per_metre
     y = (scale.bottom - rows) / scale.per_metre
-    row = np.floor((y - grid.origin[1]) / grid.resolution).astype(int)
-    col = np.floor((x - grid.origin[0]) / grid.resolution).astype(int)
+    row = grid.cells(np.column_stack([np.zeros_like(y), y]))[:, 0]
+    col = grid.cells(np.column_stack([x, np.zeros_like(x)]))[:, 1]
     order = np.pad(plan.order, 1)
     (high, wide) = grid.shape
     return order[(row + 1).clip(0, high + 1)[:, None], (col + 1).clip(0, wide + 1)]
