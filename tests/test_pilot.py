@@ -18,6 +18,7 @@ from robocon_course import autopilot, field, lessons, worlds
 from robocon_course.autopilot import (
     DriveLimits,
     Following,
+    FollowSettings,
     Parts,
     Pilot,
     Reckoning,
