@@ -36,7 +36,7 @@ def test_a_students_field_is_the_same_to_the_bit_on_every_machine():
 @pytest.mark.parametrize("student", STUDENTS)
 def test_on_every_students_field_there_is_a_way_and_every_slip_changes_it(student):
     world = worlds.ways_world(student)
-    lengths = worlds.wrong_lengths(world.grid)
+    lengths = worlds.ways.wrong_lengths(world.grid)
     assert np.isfinite(list(lengths.values())).all()
     assert np.diff(sorted(lengths.values())).min() > 0.01
     room = inflate_square(world.truth, worlds.HALF)
@@ -56,7 +56,7 @@ def test_boxes_stand_apart_and_leave_ramp_and_goal_free(student):
 @pytest.mark.parametrize("student", STUDENTS[:4])
 def test_the_widest_half_gets_through_and_a_centimetre_more_does_not(student):
     world = worlds.ways_world(student)
-    half = worlds.widest_half(world.fine)
+    half = worlds.ways.widest_half(world.fine)
     for tried, fits in ((half, True), (half + 0.01, False)):
         length = worlds.way_length(inflate_square(world.fine, tried), worlds.RAMP_TOP)
         assert np.isfinite(length) == fits

@@ -11,6 +11,8 @@ from robocon_course.answers.wire import Foreign, fields_of
 
 Tolerance = float | dict[str, float]
 
+NOTHING = "the function returned nothing (None); is a return missing?"
+
 
 def difference(got: Any, expected: Any, atol: Tolerance, unit: str = "") -> str | None:
     """The first difference between two results as a sentence, None where they agree.
@@ -25,7 +27,7 @@ def difference(got: Any, expected: Any, atol: Tolerance, unit: str = "") -> str 
         One for all, or one for each entry of the last axis: "m, m, rad".
     """
     if got is None:
-        return "the function returned nothing (None); is a return missing?"
+        return NOTHING
     fields = fields_of(expected)
     if fields is not None:
         return _fields(got, expected, fields, atol, unit)

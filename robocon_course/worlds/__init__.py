@@ -45,8 +45,6 @@ from robocon_course.worlds.ways import (
     strewn_boxes,
     way_length,
     ways_world,
-    widest_half,
-    wrong_lengths,
 )
 from robocon_course.worlds.wheels import (
     BITS,
@@ -119,7 +117,5 @@ __all__ = [
     "way_length",
     "ways_world",
     "wheel_log",
-    "widest_half",
     "winding_path",
-    "wrong_lengths",
 ]

@@ -46,7 +46,7 @@ def some_ends(rng: np.random.Generator, grid: GridMap) -> tuple[np.ndarray, np.n
 def as_points(value: Any) -> np.ndarray | None:
     """What came as finite points, shape (n, 2), or None if it is none."""
     try:
-        points = np.asarray(value) if isinstance(value, np.ndarray | list) else np.zeros(0)
+        points = np.asarray(value) if isinstance(value, np.ndarray | list | tuple) else np.zeros(0)
     except ValueError:  # lists of unequal length
         return None
     right = points.ndim == 2 and points.shape[1] == 2 and len(points) and points.dtype.kind in "iuf"

@@ -8,12 +8,12 @@ import numpy as np
 
 from robocon_course import worlds
 from robocon_course.exercises.model import Mistake, Number
-from robocon_course.worlds import Student
+from robocon_course.worlds import Student, ways
 
 
 @functools.lru_cache(maxsize=16)
 def _lengths(student: Student) -> dict[str, float]:
-    return worlds.wrong_lengths(worlds.ways_world(student).grid)
+    return ways.wrong_lengths(worlds.ways_world(student).grid)
 
 
 OWN_LENGTH = Number(
@@ -70,12 +70,12 @@ OWN_LENGTH = Number(
 
 @functools.lru_cache(maxsize=16)
 def _half(student: Student) -> float:
-    return worlds.widest_half(worlds.ways_world(student).fine)
+    return ways.widest_half(worlds.ways_world(student).fine)
 
 
 @functools.lru_cache(maxsize=16)
 def _coarse_half(student: Student) -> float:
-    return worlds.widest_half(worlds.ways_world(student).grid)
+    return ways.widest_half(worlds.ways_world(student).grid)
 
 
 OWN_GAP = Number(

@@ -22,6 +22,7 @@ def _cases(student: Student, rng: np.random.Generator) -> list[Case]:
         ("one obstacle alone", drawn_grid(LONE, 0.1, (1.0, -2.0)), 0.2),
         ("a wall, and a half of two cells and a bit", drawn_grid(WALL, 0.05), 0.12),
         ("no obstacle: only the edge of the map", GridMap(np.ones((9, 12), bool), 0.5), 1.3),
+        ("a half of exactly three cells", GridMap(np.ones((9, 12), bool), 0.1), 3 * 0.1),
         ("a body without size", drawn_grid(LONE, 0.1), 0.0),
     ]
     for _ in range(4):
@@ -98,6 +99,12 @@ INFLATE_SQUARE = Exercise(
             "The number of cells is rounded to the nearest. The robot is not smaller because the "
             "cells are coarse: round up.",
             _grown(reach=round),
+        ),
+        Mistake(
+            "a cell lost to rounding",
+            "3 · 0.1 is 0.30000000000000004, and that over 0.1 is more than 3: rounded up it costs "
+            "a cell. Subtract 1e-9 before you round up.",
+            _grown(reach=math.ceil),
         ),
         Mistake(
             "one cell too many",

@@ -191,7 +191,7 @@ ASTAR = Exercise(
         "robocon_course.planning.replanning.repair",
     ),
     cases=_cases,
-    time_limit=40.0,
+    time_limit=15.0,
     hints=(
         "Keep three things: cost[cell] so far, came_from[cell], and a heap of (cost + h, cell). "
         "Take the smallest, and look at its neighbours.",

@@ -9,7 +9,7 @@ import numpy as np
 
 from robocon_course import field, worlds
 from robocon_course.answers.process import Reply
-from robocon_course.exercises.compare import difference
+from robocon_course.exercises.compare import NOTHING, difference
 from robocon_course.exercises.model import Case, Exercise, Mistake
 from robocon_course.exercises.planning.maps import (
     as_points,
@@ -41,7 +41,7 @@ def short_case(what: str, grid: GridMap, xy: np.ndarray) -> Case:
             return f"{reply.error}: {reply.message}"
         came = as_points(reply.value)
         if came is None:
-            return "expected an array of finite points, shape (m, 2)"
+            return NOTHING if reply.value is None else "expected finite points, shape (m, 2)"
         for place, at in (("first", 0), ("last", -1)):
             if difference(came[at], xy[at], 1e-9):
                 return f"the {place} point has to stay ({xy[at, 0]:.3f}, {xy[at, 1]:.3f}) m"
@@ -51,7 +51,10 @@ def short_case(what: str, grid: GridMap, xy: np.ndarray) -> Case:
                 return f"the leg from {ends} m touches cells that are not free"
         most = LONGER * max(path_length(way) for way in _greedy_ways(grid, xy))
         if path_length(came) > most:
-            return f"{path_length(came):.3f} m are left, and {most:.3f} m are easily reached"
+            return (
+                f"your way is {path_length(came):.3f} m long; looking for the last point in sight "
+                f"gives at most {most:.3f} m"
+            )
         return None
 
     return Case(what, (grid, xy), "m", judge=judge)

@@ -10,7 +10,7 @@ import numpy as np
 
 from robocon_course import field, worlds
 from robocon_course.answers.process import Reply
-from robocon_course.exercises.compare import difference
+from robocon_course.exercises.compare import NOTHING, difference
 from robocon_course.exercises.model import Case, Exercise, Mistake, Score
 from robocon_course.exercises.planning.maps import as_points
 from robocon_course.gridmap import GridMap, inflate_square
@@ -58,6 +58,8 @@ def _smooth_case(room: GridMap, xy: np.ndarray, times: tuple[float, float]) -> C
 
 def _problem(value: Any, room: GridMap, xy: np.ndarray) -> str | None:
     came = as_points(value)
+    if value is None:
+        return NOTHING
     if came is None or len(came) > LARGEST:
         return f"expected an array of finite points, shape (m, 2), with m up to {LARGEST}"
     for place, at in (("first", 0), ("last", -1)):
@@ -72,7 +74,7 @@ def _problem(value: Any, room: GridMap, xy: np.ndarray) -> str | None:
 def _missed(case: Case, value: Any) -> float:
     """How much is missed of the time that the course's own way gains [%]."""
     first, best = case.truth
-    return 100.0 * (worlds.driving_time(value, LIMIT) - best) / (first - best)
+    return max(0.0, 100.0 * (worlds.driving_time(value, LIMIT) - best) / (first - best))
 
 
 def _averaged(look: bool, sweeps: int = 40) -> Callable[..., np.ndarray]:

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from robocon_course.answers.process import Reply
+from robocon_course.answers.wire import Foreign
+from robocon_course.exercises.compare import NOTHING
 from robocon_course.exercises.model import Case, Exercise, Mistake
 from robocon_course.exercises.planning.maps import Cell, drawn_grid, some_grid
 from robocon_course.gridmap import GridMap
@@ -43,7 +45,11 @@ OCTILE_DISTANCE = Exercise(
     title="What is left at least",
     points=1,
     reference=octile_distance,
-    shortcuts=("robocon_course.planning.search.estimate",),
+    shortcuts=(
+        "robocon_course.planning.moves.estimate",
+        "robocon_course.planning.shortest.astar",
+        "robocon_course.planning.shortest.anytime_astar",
+    ),
     cases=_octile_cases,
     time_limit=2.0,
     hints=(
@@ -81,6 +87,11 @@ OCTILE_DISTANCE = Exercise(
             "A diagonal step counts 14 here where a straight one counts 10. √2 is a little more, "
             "and over a hundred steps that is more than a cell.",
             _left(lambda a, b: max(a, b) + 0.4 * min(a, b)),
+        ),
+        Mistake(
+            "rounded root",
+            "0.414 or 1.414 is rounded, and over a hundred steps that is felt: math.sqrt(2) - 1.",
+            _left(lambda a, b: max(a, b) + 0.414 * min(a, b)),
         ),
         Mistake(
             "ten for one",
@@ -123,7 +134,10 @@ def steps_case(what: str, grid: GridMap, cell: Cell) -> Case:
         try:
             came = steps_of(reply.value)
         except (TypeError, ValueError, IndexError, AttributeError):
-            return "expected a list of pairs ((row, col), cost), each cell once"
+            if reply.value is None:
+                return NOTHING
+            came = f", got a {reply.value.type_name}" if isinstance(reply.value, Foreign) else ""
+            return f"expected a list of pairs ((row, col), cost), each cell once{came}"
         wanted = steps_of(neighbours(grid, cell))
         for to in sorted(wanted.keys() - came.keys()):
             return f"from {cell} the step to {to} is missing"
@@ -203,7 +217,11 @@ NEIGHBOURS = Exercise(
     title="Which steps are open",
     points=3,
     reference=neighbours,
-    shortcuts=("robocon_course.planning.search.may_step",),
+    shortcuts=(
+        "robocon_course.planning.moves.may_step",
+        "robocon_course.planning.shortest.astar",
+        "robocon_course.planning.shortest.anytime_astar",
+    ),
     cases=_neighbours_cases,
     hints=(
         "Two loops over −1, 0, 1 give nine cells. Leave out the cell itself, what lies outside the "

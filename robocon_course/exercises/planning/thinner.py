@@ -14,12 +14,14 @@ from robocon_course.worlds import Student
 
 def _thin_cases(student: Student, rng: np.random.Generator) -> list[Case]:
     line = np.column_stack([0.1 * np.arange(13), np.full(13, 2.0)])
+    fine = np.column_stack([0.05 * np.arange(41), np.full(41, 2.0)])
     corner = np.array([(0, 0), (0, 1), (0, 2), (1, 2), (2, 2), (2, 1), (2, 0), (1, 0.2)], float)
     cases = [
         ("a line of points 0.1 m apart", line.round(3), 0.35),
         ("around three corners", corner, 1.5),
         ("a spacing longer than the way", corner, 99.0),
         ("two points", corner[:2], 0.3),
+        ("every fourth of points 0.05 m apart", fine.round(3), 0.2),
     ]
     for _ in range(4):
         steps = rng.choice([(0.05, 0.0), (0.05, 0.05), (0.0, 0.05), (-0.05, 0.05)], 60)
@@ -48,6 +50,12 @@ def _without_last(xy: np.ndarray, spacing: float) -> np.ndarray:
 def _without_first(xy: np.ndarray, spacing: float) -> np.ndarray:
     keep = _by_place(distance_along(xy), spacing)
     keep[0], keep[-1] = False, True
+    return keep
+
+
+def _rounding(xy: np.ndarray, spacing: float) -> np.ndarray:
+    keep = np.diff(np.floor(distance_along(xy) / spacing), prepend=-1.0) > 0.0
+    keep[-1] = True
     return keep
 
 
@@ -92,6 +100,12 @@ THIN_PATH = Exercise(
         "keep = np.diff(piece, prepend=-1) > 0; keep[-1] = True; return xy[keep]",
     ),
     mistakes=(
+        Mistake(
+            "a point later by rounding",
+            "Steps of 0.05 m add up to a little less than a multiple of 0.2 m, and a point comes "
+            "one too late. Add 1e-9 before you round down.",
+            _kept(_rounding),
+        ),
         Mistake(
             "last point lost",
             "The last point is missing, and the robot stops short of its goal.",

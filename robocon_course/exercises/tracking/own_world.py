@@ -163,6 +163,11 @@ TUNE = Exercise(
     title="Challenge: settings for any cart and any path",
     points=4,
     reference=tracking.tune,
+    shortcuts=(
+        "robocon_course.tracking.search._begin",
+        "robocon_course.tracking.search._cost",
+        "robocon_course.tracking.search._around",
+    ),
     cases=_tune_cases,
     time_limit=30.0,
     score=Score(_off_path, "cm off the path", ((1.1, 1.0), (1.5, 0.5))),
