@@ -113,7 +113,8 @@ def test_another_shortest_way_is_as_right_as_the_courses():
         (lambda plan: plan._replace(expanded=True), "expanded: expected"),
         (lambda plan: plan._replace(cells=plan.cells[:-1]), "a point for each cell"),
         (lambda plan: plan._replace(cells=plan.cells + 0.5), "expected whole numbers"),
-        (lambda plan: plan.xy, "Plan"),
+        (lambda plan: plan.xy, "shape (9, 2); planning.plan_through(grid, cells, expanded) makes"),
+        (lambda plan: None, "returned nothing"),
     ],
 )
 def test_a_plan_with_a_part_that_is_wrong_is_told_which(change, sentence):
@@ -181,6 +182,105 @@ def test_the_courses_own_search_is_no_answer(line):
     with AnswerProcess() as process:
         verdict = judge_answer(process, ASTAR, Answer("astar", text), 7)
     assert verdict.points == 0.0 and "the course's own" in verdict.message
+
+
+SHORTER = {
+    "octile_distance": (
+        "grid = GridMap(np.ones((200, 200), dtype=bool), 1.0)",
+        "ends = grid.centres(cell), grid.centres(goal)",
+        "return {}.length",
+    ),
+    "neighbours": (
+        "row, col = cell",
+        "found, ends = [], (grid.centres(cell), grid.centres((row, col + 1)))",
+        "return [((row, col + 1), {}.length / grid.resolution)]",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SHORTER)
+@pytest.mark.parametrize(
+    "call",
+    [
+        "planning.astar(grid, *ends)",
+        "next(planning.anytime_astar(grid, *ends)).plan",
+        "planning.Replanner(ends[1]).plan(grid, ends[0])",
+    ],
+)
+def test_the_courses_search_is_no_answer_to_its_smaller_parts(name, call):
+    args = "cell, goal" if name == "octile_distance" else "grid, cell"
+    lines = [line.format(call) for line in SHORTER[name]]
+    head = ["import numpy as np", "from robocon_course import planning"]
+    head += ["from robocon_course.gridmap import GridMap", f"def {name}({args}):"]
+    text = "\n    ".join(["\n".join(head), *lines]) + "\n"
+    with AnswerProcess() as process:
+        exercise = registry.exercise(f"planning.{name}")
+        verdict = judge_answer(process, exercise, Answer(name, text), 7)
+    assert verdict.points == 0.0 and "the course's own" in verdict.message
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["inflate_square", "neighbours", "astar", "thin_path", "shorten_path", "smooth_path"],
+)
+def test_nothing_is_asked_whether_a_return_is_missing(name):
+    verdict = judge(registry.exercise(f"planning.{name}"), lambda args: Reply(value=None), 7)
+    assert "nothing (None); is a return missing?" in verdict.message
+
+
+def test_steps_that_are_yet_to_be_made_are_called_what_they_are():
+    text = "from robocon_course import planning\ndef neighbours(grid, cell):\n    yield cell, 1.0\n"
+    exercise = registry.exercise("planning.neighbours")
+    with AnswerProcess() as process:
+        verdict = judge_answer(process, exercise, Answer("neighbours", text), 7)
+    assert "expected a list" in verdict.message and "got a generator" in verdict.message
+
+
+@pytest.mark.parametrize("name", ["shorten_path", "smooth_path"])
+@pytest.mark.parametrize("kind", [tuple, list])
+def test_points_may_come_as_a_tuple_or_a_list(name, kind):
+    exercise = registry.exercise(f"planning.{name}")
+
+    def function(*args):
+        return kind(kind(point) for point in exercise.reference(*args).tolist())
+
+    assert judge(exercise, ask_function(function), 7).points == exercise.points
+
+
+def test_a_cell_that_is_wrongly_free_is_named():
+    exercise = registry.exercise("planning.inflate_square")
+    unchanged = judge(exercise, ask_function(lambda grid, half: grid), 7)
+    assert "cell (0, 0) should not be free, and is." in unchanged.message
+    whole = judge(
+        exercise, ask_function(lambda grid, half: inflate_square(grid, half + grid.resolution)), 7
+    )
+    assert "cell (2, 6) should be free, and is not." in whole.message
+
+
+def test_a_way_that_could_be_shorter_is_told_by_how_much():
+    case = registry.exercise("planning.shorten_path").cases(7, worlds.generator(7, "short"))[0]
+    sentence = case.judge(Reply(value=case.args[1]))
+    assert "your way is 1.883 m long" in sentence and "gives at most 1.826 m" in sentence
+
+
+@pytest.mark.parametrize("student", STUDENTS[:4])
+def test_half_a_centimetre_too_much_is_not_taken_for_a_whole_one(student):
+    number = registry.exercise("planning.own_gap")
+    half = number.truth(student)
+    assert judge_number(number, half + 0.005, student).mistake == ""
+    assert judge_number(number, half + 0.01, student).mistake == "first that fails"
+
+
+def test_the_rooms_of_the_course_do_not_offer_the_answers_to_the_numbers():
+    assert not hasattr(worlds, "widest_half") and not hasattr(worlds, "wrong_lengths")
+
+
+def test_better_than_the_course_is_nothing_missed():
+    exercise = registry.exercise("planning.smooth_path")
+    case = exercise.cases(7, worlds.generator(7, exercise.id, "public"))[0]
+    first, best = case.truth
+    slower = replace(case, truth=(first, best + 0.1))
+    assert exercise.score.error(slower, planning.smooth_path(*case.args)) == 0.0
 
 
 def test_a_half_smooth_way_earns_half():

@@ -32,7 +32,7 @@ def difference(got: Any, expected: Any, atol: Tolerance, unit: str = "") -> str 
     if fields is not None:
         return _fields(got, expected, fields, atol, unit)
     if isinstance(got, Foreign):
-        return f"expected {_kind(expected)}, got an object of type {got.type_name}"
+        return f"expected {kind_of(expected)}, got an object of type {got.type_name}"
     if isinstance(expected, tuple | list) and not _numeric(expected):
         return _sequence(got, expected, atol, unit)
     return _numbers(got, expected, atol, unit)
@@ -62,20 +62,37 @@ def _fields(
     if type(got).__name__ != name:
         form = ", ".join(f"{field}=…" for field in fields)
         room = type(expected).__module__.split(".")[1]
-        return f"expected {room}.{name}({form}), got {_kind(got)}"
+        return f"expected {room}.{name}({form}), got {kind_of(got)}"
     for field, wanted in fields.items():
         # A field without a tolerance is not judged, but it must have the right form.
         limit = atol.get(field, sys.float_info.max) if isinstance(atol, dict) else atol
-        found = difference(getattr(got, field), wanted, limit, unit)
+        came = getattr(got, field)
+        found = _cells(came, wanted, field)
+        if found:
+            return found
+        found = difference(came, wanted, limit, unit)
         if found:
             return f"{field}: {found}"
     return None
 
 
+def _cells(got: Any, expected: Any, what: str) -> str | None:
+    """The first cell of a map of yes and no that is wrong, in the field's own word: free."""
+    maps = all(
+        isinstance(m, np.ndarray) and m.ndim == 2 and m.dtype == bool for m in (got, expected)
+    )
+    if not maps or got.shape != expected.shape or (got == expected).all():
+        return None
+    row, col = np.argwhere(got != expected)[0].tolist()
+    if got[row, col]:
+        return f"cell ({row}, {col}) should not be {what}, and is"
+    return f"cell ({row}, {col}) should be {what}, and is not"
+
+
 def _sequence(got: Any, expected: tuple | list, atol: float, unit: str) -> str | None:
     got = got.item() if isinstance(got, np.ndarray) and got.ndim == 0 else got
     if not isinstance(got, tuple | list | np.ndarray) or len(got) != len(expected):
-        return f"expected {len(expected)} results, got {_kind(got)}"
+        return f"expected {len(expected)} results, got {kind_of(got)}"
     for number, (one, wanted) in enumerate(zip(got, expected, strict=True)):
         found = difference(one, wanted, atol, unit)
         if found:
@@ -91,14 +108,14 @@ def _numbers(got: Any, expected: Any, atol: float, unit: str) -> str | None:
     try:
         came = np.asarray(got)
     except ValueError:  # lists of unequal length
-        return f"expected {_kind(expected)}, got {_kind(got)}"
+        return f"expected {kind_of(expected)}, got {kind_of(got)}"
     if came.dtype.kind not in "biuf":
         large = isinstance(got, int) or (came.dtype.kind == "O" and _numeric(came.ravel().tolist()))
-        what = "one too large for a float" if large else _kind(got)
-        return f"expected {_kind(expected)}, got {what}"
+        what = "one too large for a float" if large else kind_of(got)
+        return f"expected {kind_of(expected)}, got {what}"
     came = came.astype(float)
     if came.shape != wanted.shape:
-        return f"expected {_kind(wanted)}, got {_kind(came)}"
+        return f"expected {kind_of(wanted)}, got {kind_of(came)}"
     off = ~np.isclose(came, wanted, rtol=0.0, atol=atol, equal_nan=True)
     if not off.any():
         return None
@@ -126,7 +143,8 @@ def _numeric(value: Any) -> bool:
     return all(isinstance(item, int | float) and not isinstance(item, bool) for item in value)
 
 
-def _kind(value: Any) -> str:
+def kind_of(value: Any) -> str:
+    """What a value is, in words: "an array of shape (3, 2)"."""
     if isinstance(value, Foreign):
         return f"an object of type {value.type_name}"
     if isinstance(value, np.ndarray):

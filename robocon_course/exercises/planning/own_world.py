@@ -85,6 +85,7 @@ OWN_GAP = Number(
     truth=_half,
     tolerance=0.004,
     unit="m",
+    likeness=1e-6,
     hints=(
         "Try half sides of 0.33 m, 0.34 m and so on. As long as astar finds a way there is one; "
         "then it raises NoPathError.",

@@ -14,6 +14,7 @@ from robocon_course.gridmap import GridMap, inflate, inflate_square
 from robocon_course.worlds import Student
 
 LONE = "......... ......... ......... ...#..... ......... ......... ......... ........."
+NEAR_EDGE = "............ ............ ............ ............ .#.......... ............"
 WALL = "............ ............ ............ ............ #####....... ............ ............"
 
 
@@ -23,6 +24,7 @@ def _cases(student: Student, rng: np.random.Generator) -> list[Case]:
         ("a wall, and a half of two cells and a bit", drawn_grid(WALL, 0.05), 0.12),
         ("no obstacle: only the edge of the map", GridMap(np.ones((9, 12), bool), 0.5), 1.3),
         ("a half of exactly three cells", GridMap(np.ones((9, 12), bool), 0.1), 3 * 0.1),
+        ("an obstacle beside the map's corner", drawn_grid(NEAR_EDGE, 0.1), 0.2),
         ("a body without size", drawn_grid(LONE, 0.1), 0.0),
     ]
     for _ in range(4):
@@ -64,6 +66,24 @@ def _grown(
         )
 
     return function
+
+
+def _by_slices(grid: GridMap, half: float) -> GridMap:
+    """A slice around each obstacle, which beside the edge begins below 0."""
+    n = math.ceil(half / grid.resolution - 1e-9)
+    free = np.zeros_like(grid.free)
+    rows, cols = grid.shape
+    free[n : rows - n, n : cols - n] = True
+    for row, col in np.argwhere(~grid.free):
+        free[row - n : row + n + 1, col - n : col + n + 1] = False
+    return GridMap(free, grid.resolution, grid.origin)
+
+
+def _rim_cut_off(grid: GridMap, half: float) -> GridMap:
+    """A rim of no cells cut off by -0, which leaves nothing."""
+    n = math.ceil(half / grid.resolution - 1e-9)
+    free = inflate_square(grid, half).free
+    return GridMap(np.pad(free, n)[n:-n, n:-n], grid.resolution, grid.origin)
 
 
 INFLATE_SQUARE = Exercise(
@@ -129,6 +149,18 @@ INFLATE_SQUARE = Exercise(
             "Obstacles grow out of the map and come in on the other side, as np.roll does it. Pad "
             "the map first.",
             _grown(edge="wrap"),
+        ),
+        Mistake(
+            "slice below 0",
+            "A slice from r - n to r + n + 1 is empty where r - n is below 0: a negative index "
+            "begins at the other end. Use max(r - n, 0), and the same for the columns.",
+            _by_slices,
+        ),
+        Mistake(
+            "rim of no cells cut off",
+            "With n = 0 the slice [n:-n] is [0:0], which is empty. Write [n : n + rows, "
+            "n : n + cols].",
+            _rim_cut_off,
         ),
         Mistake(
             "only rows",

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocon_course.answers.process import Reply
-from robocon_course.exercises.compare import difference
+from robocon_course.exercises.compare import NOTHING, difference, kind_of
 from robocon_course.exercises.model import Case
 from robocon_course.exercises.planning.maps import as_points, way_of
 from robocon_course.gridmap import GridMap
@@ -71,9 +71,11 @@ def _refusal(reply: Reply) -> str | None:
 
 
 def _form(plan: Any) -> str | None:
+    if plan is None:
+        return NOTHING
     if type(plan) is not Plan:
-        example = Plan(np.zeros((1, 2)), np.zeros((1, 2), np.int64), 0.0, 0)
-        return difference(plan, example, CLOSE)
+        makes = "planning.plan_through(grid, cells, expanded) makes the plan"
+        return f"expected a planning.Plan, got {kind_of(plan)}; {makes}"
     cells, xy = as_points(plan.cells), as_points(plan.xy)
     if cells is None or xy is None:
         return "cells and xy: expected two arrays of shape (n, 2)"

@@ -59,6 +59,7 @@ def plain_astar(
     diagonal: float = ROOT_2,
     greedy: bool = False,
     seen: bool = False,
+    adding: str = "g",
     cell_of: Callable[[GridMap, np.ndarray], Cell] = as_it_is,
     order: slice = slice(None),
     none: bool = False,
@@ -66,7 +67,8 @@ def plain_astar(
 ) -> Callable[..., Plan | None]:
     """A* in plain Python with one thing done wrongly.
 
-    ``seen`` closes a cell when it is first seen; ``none`` returns None where there is no way, and
+    ``seen`` closes a cell when it is first seen; ``adding`` "f" takes what the heap is sorted by
+    for the cost so far; ``none`` returns None where there is no way, and
     without ``ask`` the start may lie in an obstacle. To stop when the goal is first seen is none of
     them: beside the goal the octile distance is the step itself, so it makes no difference.
     """
@@ -79,14 +81,14 @@ def plain_astar(
         cost, came, done = {first: 0.0}, {first: first}, set()
         queue = [(0.0, first)] if grid.is_free(grid.centres(first)) or not ask else []
         while queue:
-            _, cell = heappop(queue)
+            f, cell = heappop(queue)
             if cell in done:
                 continue
             done.add(cell)
             if cell == last:
                 break
             for to, step in rule(free, cell):
-                new = cost[cell] + step
+                new = (f if adding == "f" else cost[cell]) + step
                 if to in done or (seen and to in cost) or new >= cost.get(to, inf):
                     continue
                 cost[to], came[to] = new, cell
@@ -140,18 +142,25 @@ WRONG = {
     "diagonal": plain_astar(diagonal=1.0),
     "seen": plain_astar(seen=True),
     "greedy": plain_astar(greedy=True),
+    "f": plain_astar(adding="f"),
 }
 """Whether these find a longer way depends on the map."""
 SMALL = "....... ..###.. ..#.#.. ..###.. ......."
 
 
 def trap(rng: np.random.Generator, wrong: Callable[..., Plan | None]) -> tuple:
-    """A map of one's own on which a wrong search finds a way that is too long."""
+    """A map of one's own where a wrong search, and no other, finds a way too long by so much."""
+    others = [other for other in WRONG.values() if other is not wrong]
     while True:
         grid = some_grid(rng, 16, 20, 0.3)
         ends = some_ends(rng, grid)
         best = way_of(grid, *ends)
-        if best and wrong(grid, *ends).length > best.length + 0.1 * grid.resolution:
+        if best is None:
+            continue
+        length, close = wrong(grid, *ends).length, 0.1 * grid.resolution
+        if length > best.length + close and all(
+            abs(other(grid, *ends).length - length) > close for other in others
+        ):
             return grid, *ends
 
 
@@ -237,6 +246,12 @@ ASTAR = Exercise(
             "The heap is sorted by h alone. That runs straight at the goal and forgets how far it "
             "has come: sort by cost + h.",
             WRONG["greedy"],
+        ),
+        Mistake(
+            "step added to f",
+            "The step is added to what the heap is sorted by, so h is counted again with every "
+            "step. Only the cost so far grows: new = cost[cell] + step.",
+            WRONG["f"],
         ),
         Mistake(
             "h does not look to the goal",

@@ -74,7 +74,8 @@ def _problem(value: Any, room: GridMap, xy: np.ndarray) -> str | None:
 def _missed(case: Case, value: Any) -> float:
     """How much is missed of the time that the course's own way gains [%]."""
     first, best = case.truth
-    return max(0.0, 100.0 * (worlds.driving_time(value, LIMIT) - best) / (first - best))
+    missed = 100.0 * (worlds.driving_time(value, LIMIT) - best) / (first - best)
+    return max(missed, 0.0)  # in this order: what is not a number stays so
 
 
 def _averaged(look: bool, sweeps: int = 40) -> Callable[..., np.ndarray]:

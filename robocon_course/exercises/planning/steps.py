@@ -49,6 +49,7 @@ OCTILE_DISTANCE = Exercise(
         "robocon_course.planning.moves.estimate",
         "robocon_course.planning.shortest.astar",
         "robocon_course.planning.shortest.anytime_astar",
+        "robocon_course.planning.replanning.Replanner.plan",
     ),
     cases=_octile_cases,
     time_limit=2.0,
@@ -221,6 +222,7 @@ NEIGHBOURS = Exercise(
         "robocon_course.planning.moves.may_step",
         "robocon_course.planning.shortest.astar",
         "robocon_course.planning.shortest.anytime_astar",
+        "robocon_course.planning.replanning.Replanner.plan",
     ),
     cases=_neighbours_cases,
     hints=(

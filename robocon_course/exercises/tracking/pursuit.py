@@ -16,6 +16,7 @@ from robocon_course.worlds import Student
 
 JUDGED = {"curvature": 1e-6, "target": 1e-6, "index": 0.0, "done": 0.0}
 ROUND = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
+HOOK = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.03], [0.99, 0.006]])
 Path = np.ndarray
 
 
@@ -37,6 +38,7 @@ def _pure_pursuit_cases(student: Student, rng: np.random.Generator) -> list[Case
         ("on the way back of it", HAIRPIN, [0.6, 0.05, 3.1], 0.3, 2),
         ("at the start of a way that ends there", ROUND, [0.004, 0.0, 0.0], 0.3, 0),
     ]
+    rows.append(("before a last bend that comes back", HOOK, [0.99, -0.02, 0.0], 0.3, 0))
     for _ in range(5):
         path = some_path(rng)
         (x, y), k = beside(path, rng, 0.1)
@@ -211,6 +213,18 @@ PURE_PURSUIT = Exercise(
             _pursue(
                 done=lambda path, place, foot, target, far: (
                     hypot(*(path[-1] - foot.xy)) <= tracking.TOLERANCE and foot.distance < far
+                )
+            ),
+        ),
+        Mistake(
+            "straight to the end",
+            "What is left is measured straight to the end. A path that bends there comes near its "
+            "end before it is there: add up the pieces.",
+            _pursue(
+                done=lambda path, place, foot, target, far: (
+                    hypot(*(path[-1] - target.xy)) < 1e-9
+                    and hypot(*(path[-1] - foot.xy)) <= tracking.TOLERANCE
+                    and foot.distance < far
                 )
             ),
         ),
