@@ -81,10 +81,16 @@ FULL = {
     ],
     "it changes the course's judge": [
         "import robocon_course.exercises.judge as judge\njudge.judge = None",
-        RIGHT.replace("    return", "    import robocon_course.exercises.judge as j\n"
-                      "    j.difference = None\n    return"),
+        RIGHT,
     ],
-}  # fmt: skip
+}
+
+
+def test_an_answer_that_reaches_for_the_judge_is_told_so(row_of):
+    reach = "    import robocon_course.exercises.judge as j\n    j.difference = None\n    return"
+    row = row_of(RIGHT.replace("    return", reach))
+    [verdict] = [v for v in row.verdicts if v.id == "start.wrap_angle"]
+    assert verdict.points == 0 and "robocon_course.exercises" in verdict.message
 
 
 @pytest.mark.parametrize("cells", FULL.values(), ids=FULL)
