@@ -802,12 +802,8 @@ def pursue(name, speed):
 
 def widest(name, poses):
     """Farthest left, right, below and above the path [m], one after the other along it."""
-    index, off = 0, []
-    for pose in poses:
-        foot = tracking.nearest_point(SOURCE[name], pose[:2], index, tracking.REACH)
-        index = foot.index
-        off.append(pose[:2] - foot.xy)
-    return np.array(off).min(axis=0), np.array(off).max(axis=0)
+    off = poses[:, :2] - tracking.nearest_points(SOURCE[name], poses).xy
+    return off.min(axis=0), off.max(axis=0)
 
 
 # %%

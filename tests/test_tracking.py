@@ -25,6 +25,7 @@ from robocon_course.tracking import (
     TrackingSettings,
     lookahead_point,
     nearest_point,
+    nearest_points,
     pure_pursuit,
     speed_profile,
     trial,
@@ -90,6 +91,21 @@ def test_no_point_of_the_path_is_nearer(path, point):
     assert hypot(found.xy[0] - point[0], found.xy[1] - point[1]) == pytest.approx(found.distance)
     a, b = path[found.index], path[found.index + 1]
     assert found.xy == pytest.approx(tuple(a + found.share * (b - a)), abs=1e-12)
+
+
+def test_the_nearest_points_of_a_drive_are_those_found_one_after_the_other():
+    path, rng = finely(eight(), 0.05), np.random.default_rng(2)
+    poses = np.column_stack([path + rng.normal(0.0, 0.02, path.shape), np.zeros(len(path))])
+    found, index = nearest_points(path, poses, reach=0.3), 0
+    for pose, xy, off in zip(poses, *found, strict=True):
+        one = nearest_point(path, pose[:2], index, 0.3)
+        index = one.index
+        assert tuple(xy) == one.xy and abs(off) == one.distance
+    assert (found.cross_track > 0.0).any() and (found.cross_track < 0.0).any()
+    with pytest.raises(ValueError, match="reach: expected metres above 0"):
+        nearest_points(path, poses, reach=0.0)
+    with pytest.raises(ValueError, match="poses: expected shape"):
+        nearest_points(path, poses[:, :2])
 
 
 def test_the_search_stays_on_its_leg_of_a_way_out_and_back():

@@ -9,6 +9,7 @@
 ``incremental``   the form that adds changes to the last output
 ``tuning``        gains from an oscillation (Ziegler and Nichols), and how to find it
 ``polyline``      nearest point and look-ahead point of a path
+``along``         the nearest points to a whole drive
 ``pursuit``       the circle that leads to the look-ahead point
 ``profile``       curvature of a path, and the speed it allows at each point
 ``differential``  a robot with two wheels to practise on
@@ -18,6 +19,7 @@
 ================  ==================================================================
 """
 
+from robocon_course.tracking.along import REACH, PathPoints, nearest_points
 from robocon_course.tracking.cart import Cart
 from robocon_course.tracking.differential import (
     DT,
@@ -27,7 +29,7 @@ from robocon_course.tracking.differential import (
     wheel_speeds,
 )
 from robocon_course.tracking.incremental import IncrementalPid
-from robocon_course.tracking.loop import ARRIVED, CREEP, REACH
+from robocon_course.tracking.loop import ARRIVED, CREEP
 from robocon_course.tracking.pid import (
     Pid,
     PidGains,
@@ -74,6 +76,7 @@ __all__ = [
     "NoOscillationError",
     "Oscillation",
     "PathPoint",
+    "PathPoints",
     "Pid",
     "PidGains",
     "PidLimits",
@@ -88,6 +91,7 @@ __all__ = [
     "lookahead_distance",
     "lookahead_point",
     "nearest_point",
+    "nearest_points",
     "path_curvature",
     "pid_step",
     "profile_times",

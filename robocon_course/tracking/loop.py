@@ -11,14 +11,13 @@ from math import floor, isnan, sqrt
 import numpy as np
 from numba import njit
 
+from robocon_course.tracking.along import REACH
 from robocon_course.tracking.differential import DT, near, roll, share_out
 from robocon_course.tracking.polyline import look, nearest
 from robocon_course.tracking.pursuit import bend
 
 CREEP = 0.03
 """Slowest speed short of the end [m/s]: at its ends a profile says 0."""
-REACH = 0.3
-"""So much of the path is searched past the nearest point so far [m]."""
 ARRIVED = 0.003
 """So much of the path may be left at the end [m]."""
 REST = 60  # samples in which it comes to rest after the end
@@ -101,24 +100,3 @@ def follow(path, squares, lookahead, sizes, late, noise, out):
             return k + 1, end
         advance(now, speed, turn, sizes)
     return len(noise), end
-
-
-@njit(cache=True)
-def walk(path, poses, feet, away):
-    """Nearest point of a path to each pose, one after the other; it trusts its input.
-
-    Parameters
-    ----------
-    path : ndarray, shape (n, 2)  [m, map]
-    poses : ndarray, shape (m, 3)  [m, m, rad; map]
-    feet : ndarray, shape (m, 2)  [m, map]
-    away : ndarray, shape (m,)  [m]
-        Take the result: places, and distances, positive to the left.
-    """
-    index = 0
-    for k in range(len(poses)):
-        x, y = poses[k, 0], poses[k, 1]
-        index, _, fx, fy, far = nearest(path, x, y, index, REACH)
-        dx, dy = path[index + 1, 0] - path[index, 0], path[index + 1, 1] - path[index, 1]
-        feet[k, 0], feet[k, 1] = fx, fy
-        away[k] = far if dx * (y - fy) - dy * (x - fx) >= 0.0 else -far

@@ -17,8 +17,9 @@ from numpy.typing import ArrayLike
 
 from robocon_course._arrays import FloatArray
 from robocon_course.geometry import distance_along
+from robocon_course.tracking.along import nearest_points
 from robocon_course.tracking.differential import DT, DifferentialModel
-from robocon_course.tracking.loop import CREEP, follow, walk
+from robocon_course.tracking.loop import CREEP, follow
 from robocon_course.tracking.polyline import as_path
 from robocon_course.tracking.profile import profile_times, speed_profile
 
@@ -146,8 +147,8 @@ def trial(
     out[0, :3] = start_pose(path)
     sizes = model.wheel_base, model.metres_per_tick, model.lag, model.max_speed
     rows, end = follow(path, speeds**2, settings[:2], sizes, late, noise, out)
-    poses, feet, away = out[:rows, :3].copy(), np.empty((rows, 2)), np.empty(rows)
-    walk(path, poses, feet, away)
+    poses = out[:rows, :3].copy()
+    feet, away = nearest_points(path, poses)
     duration = DT * end if end >= 0 else inf
     time = DT * np.arange(rows)
     return Trial(time, poses, out[:rows, 3:5], out[:rows, 5], feet, away, end >= 0, duration)

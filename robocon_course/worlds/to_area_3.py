@@ -20,7 +20,7 @@ from robocon_course._arrays import FloatArray, as_floats, freeze_arrays
 from robocon_course.autopilot import DriveLimits, Parts, Pilot, Route, lidar_y, plan_route
 from robocon_course.odometry import TrackingWheels
 from robocon_course.robot import DEAD_WHEELS
-from robocon_course.tracking import nearest_point, profile_times
+from robocon_course.tracking import nearest_points, profile_times
 from robocon_course.worlds.drive import CYCLE, DRIVES, REFERENCE, REST, bumps
 from robocon_course.worlds.imu import own_imu
 from robocon_course.worlds.robot import own_robot
@@ -264,7 +264,7 @@ def _driven(
         estimates=estimates[gone],
         module_angles=angles[gone],
         module_speeds=speeds[gone],
-        cross_track=_cross_track(pilot.route.xy, poses[gone]),
+        cross_track=np.abs(nearest_points(pilot.route.xy, poses[gone]).cross_track),
         route=pilot.route,
         limit=limit,
         contacts=truth.contacts,
@@ -278,13 +278,3 @@ def _reason(pilot: Pilot, contacts: int) -> str:
     if pilot.arrived:
         return f"arrived{touched}"
     return f"stopped for being late, {pilot.away:.2f} m from the goal by its own odometry{touched}"
-
-
-def _cross_track(path: FloatArray, poses: FloatArray) -> FloatArray:
-    """Distance of each pose from the path, found going along it."""
-    index, away = 0, []
-    for pose in poses:
-        foot = nearest_point(path, pose[:2], index, 0.5)
-        index = foot.index
-        away.append(foot.distance)
-    return np.array(away)

@@ -103,6 +103,7 @@ NEAREST_POINT = Exercise(
     shortcuts=(
         "robocon_course.tracking.polyline.nearest",
         "robocon_course.tracking.polyline.look",
+        "robocon_course.tracking.along.walk",
         "robocon_course.tracking.pursuit.pure_pursuit",
         "robocon_course.tracking.pursuit.pursue",
     ),
