@@ -12,7 +12,7 @@ from robocon_course.autopilot.following import Following, FollowSettings, follow
 from robocon_course.autopilot.modules import hold, module_command
 from robocon_course.autopilot.parts import Parts
 from robocon_course.autopilot.route import Route
-from robocon_course.autopilot.sensing import LONGEST_GAP, Reckoning, lidar_y, reckon
+from robocon_course.autopilot.sensing import Reckoning, lidar_y, reckon
 from robocon_course.odometry import TrackingWheels
 from robocon_course.robot import Command, Observation
 
@@ -91,10 +91,10 @@ class Pilot:
         """
         self.seen, last = observation, self.reckoning
         self.reckoning = now = reckon(self.parts, last, observation, self.wheels)
-        if now.fresh and 0.0 < now.time - last.time <= LONGEST_GAP:
-            self._dt = now.time - last.time
-            self._waited += self._dt
-            self._speed = float(hypot(*(now.pose - last.pose)[:2])) / self._dt
+        if now.fresh and isfinite(now.dt):
+            self._dt = now.dt
+            self._waited += now.dt
+            self._speed = float(hypot(*(now.pose - last.pose)[:2])) / now.dt
         if not (isfinite(self._dt) and self._waited >= self._rest):
             return hold(observation.module_angles)
         pose = now.pose if now.fresh else np.full(3, nan)

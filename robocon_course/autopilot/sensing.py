@@ -137,10 +137,10 @@ class Reckoning(NamedTuple):
         Of the last observation that was used; NaN: none yet.
     ticks : ndarray of int64, shape (3,), or None
         Its counters.
+    dt : float  [s]
+        Between the last two that were used; NaN: there were none, or the clock leapt.
     rate : float  [rad/s]
         What the gyroscope said last; NaN: nothing.
-    fresh : bool
-        Whether the last observation was used. If not, the pose is as old as the one before.
     missed : int
         Observations in a row that were not used.
     rejected : int
@@ -151,10 +151,15 @@ class Reckoning(NamedTuple):
     heading: odometry.HeadingState
     time: float = nan
     ticks: NDArray[np.int64] | None = None
+    dt: float = nan
     rate: float = nan
-    fresh: bool = False
     missed: int = 0
     rejected: int = 0
+
+    @property
+    def fresh(self) -> bool:
+        """Whether the last observation was used. If not, the pose is as old as the one before."""
+        return self.ticks is not None and self.missed == 0
 
     @classmethod
     def at(cls, pose: ArrayLike) -> Reckoning:
@@ -212,11 +217,11 @@ def reckon(
     gyro = as_floats(observation.gyro, "observation.gyro", None, 3, finite=False)[:, 2]
     usable = isfinite(now) and bool((np.abs(ticks) < MOST_TICKS).all())
     if usable and state.ticks is None:
-        return state._replace(time=now, ticks=ticks.astype(np.int64), fresh=True)
+        return state._replace(time=now, ticks=ticks.astype(np.int64), missed=0)
     dt = now - state.time
     leapt = usable and not 0.0 < dt <= LONGEST_GAP
     if not usable or (leapt and (dt == 0.0 or state.missed < PATIENCE)):
-        return state._replace(fresh=False, missed=state.missed + 1, rejected=state.rejected + 1)
+        return state._replace(missed=state.missed + 1, rejected=state.rejected + 1)
     changes = parts.tick_changes(np.array([state.ticks, ticks]).astype(np.int64), COUNTER_BITS)
     travel = parts.wheel_travel(wheels, changes)
     turned = float(np.asarray(parts.body_deltas(wheels, travel))[0, 2])
@@ -227,7 +232,7 @@ def reckon(
     deltas = parts.body_deltas(wheels, travel, np.array([state.heading.yaw, heading.yaw]))
     pose = np.array(parts.integrate(deltas, state.pose), float)[-1]
     ticks, rejected = ticks.astype(np.int64), state.rejected + strange
-    return Reckoning(pose, heading, now, ticks, rate, True, rejected=rejected)
+    return Reckoning(pose, heading, now, ticks, nan if leapt else dt, rate, rejected=rejected)
 
 
 def _rate(gyro: FloatArray, by_wheels: float, last: float) -> tuple[float, bool]:
