@@ -166,9 +166,9 @@ def test_astar_agrees_with_dijkstra_on_random_maps(whole):
 
 def test_costs_order_ways_as_their_lengths_do():
     # S² 2 - D² = ±1 makes D / S a best approximation of √2: off by 1 / (2 √2 S²).
-    assert abs(search.DIAGONAL**2 - 2 * search.STRAIGHT**2) == 1
+    assert abs(moves.DIAGONAL**2 - 2 * moves.STRAIGHT**2) == 1
     a, b = 665857, 470832  # straight, diagonal: 665857 is nearly 470832 √2
-    assert (a * search.STRAIGHT > b * search.DIAGONAL) == (a**2 > 2 * b**2)
+    assert (a * moves.STRAIGHT > b * moves.DIAGONAL) == (a**2 > 2 * b**2)
 
 
 def test_a_way_along_a_maze_of_many_bends_is_found():
@@ -221,7 +221,7 @@ def length_past_the_middle(free: np.ndarray, start, end, cut_corners: bool) -> f
 def test_a_step_is_needless_just_if_its_end_is_reached_as_cheaply_without_it(cut_corners):
     table, around = (
         moves.worthwhile(cut_corners, False),
-        list(zip(search.D_ROW.tolist(), search.D_COL.tolist(), strict=True)),
+        list(zip(moves.D_ROW.tolist(), moves.D_COL.tolist(), strict=True)),
     )
     judged = 0
     for walls in range(256):
@@ -246,7 +246,7 @@ def test_a_step_is_needless_just_if_its_end_is_reached_as_cheaply_without_it(cut
 
 
 def test_where_a_cell_is_gone_on_from_once_only_steps_back_are_needless():
-    straight_on, at_the_start = moves.worthwhile(False, True)[[0, search.NOWHERE], 0].tolist()
+    straight_on, at_the_start = moves.worthwhile(False, True)[[0, moves.NOWHERE], 0].tolist()
     # Two eighths to each side, straight on last: what is put on a pile last is taken up first.
     assert f"{straight_on:x}" == "89fae"
     assert sorted(f"{at_the_start:x}") == sorted("89abcdef")
@@ -279,10 +279,10 @@ def test_a_search_that_ran_out_of_room_is_made_again_with_more(monkeypatch, weig
 @given(st.integers(-60, 60), st.integers(-60, 60))
 def test_only_manhattan_ever_estimates_too_much(rows, cols):
     far, near = max(abs(rows), abs(cols)), min(abs(rows), abs(cols))
-    true = search.STRAIGHT * (far - near) + search.DIAGONAL * near  # on an empty map
-    assert search.estimate(rows, cols, search.OCTILE) == true
-    assert search.estimate(rows, cols, search.EUCLIDEAN) <= true
-    manhattan = search.estimate(rows, cols, search.MANHATTAN)
+    true = moves.STRAIGHT * (far - near) + moves.DIAGONAL * near  # on an empty map
+    assert moves.estimate(rows, cols, moves.OCTILE) == true
+    assert moves.estimate(rows, cols, moves.EUCLIDEAN) <= true
+    manhattan = moves.estimate(rows, cols, moves.MANHATTAN)
     assert true <= manhattan <= true * ROOT2 + 1
     assert (manhattan > true) == (near > 0)
 
@@ -290,12 +290,10 @@ def test_only_manhattan_ever_estimates_too_much(rows, cols):
 @settings(deadline=None)
 @given(st.integers(-2000, 2000), st.integers(-2000, 2000), st.integers(0, 7))
 def test_an_admissible_estimate_falls_by_no_more_than_the_step_costs(rows, cols, k):
-    step = search.DIAGONAL if k % 2 else search.STRAIGHT
-    for kind in (search.OCTILE, search.EUCLIDEAN):
-        before = search.estimate(rows, cols, kind)
-        assert (
-            before - search.estimate(rows + search.D_ROW[k], cols + search.D_COL[k], kind) <= step
-        )
+    step = moves.DIAGONAL if k % 2 else moves.STRAIGHT
+    for kind in (moves.OCTILE, moves.EUCLIDEAN):
+        before = moves.estimate(rows, cols, kind)
+        assert before - moves.estimate(rows + moves.D_ROW[k], cols + moves.D_COL[k], kind) <= step
 
 
 def test_manhattan_can_miss_the_shortest_way():

@@ -27,8 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robocon_course._arrays import as_floats
 from robocon_course.gridmap import GridMap
-from robocon_course.planning.plans import Plan, checked_task, no_way, plan_through
-from robocon_course.planning.search import (
+from robocon_course.planning.moves import (
     D_COL,
     D_ROW,
     DIAGONAL,
@@ -40,6 +39,7 @@ from robocon_course.planning.search import (
     may_step,
     prepared,
 )
+from robocon_course.planning.plans import Plan, checked_task, no_way, plan_through
 
 # numba looks for changes only in this file: after one in moves.py, save this one too.
 

@@ -21,21 +21,14 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from robocon_course.planning.moves import (  # noqa: F401, some are only handed on
+from robocon_course.planning.moves import (
     D_COL,
     D_ROW,
     DIAGONAL,
-    EUCLIDEAN,
-    MANHATTAN,
     NEVER,
     NOWHERE,
-    OCTILE,
-    OVERESTIMATE,
     STRAIGHT,
-    WALL,
     estimate,
-    may_step,
-    prepared,
     walls_around,
 )
 

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from robocon_course._arrays import as_floats
 from robocon_course.gridmap import GridMap
-from robocon_course.planning import search
+from robocon_course.planning import moves
 
 ROOT_2 = sqrt(2.0)
-DIRECTIONS = tuple(zip(search.D_ROW.tolist(), search.D_COL.tolist(), strict=True))
+DIRECTIONS = tuple(zip(moves.D_ROW.tolist(), moves.D_COL.tolist(), strict=True))
 Step = tuple[tuple[int, int], float]
 """A neighbour (row, col), and what the step to it costs [cells]."""
 MIDDLE = 4  # of a window of 3 by 3 cells, counted row by row
@@ -46,7 +46,7 @@ def octile_distance(cell: ArrayLike, goal: ArrayLike) -> float:
     5.243
     """
     rows, cols = (_as_cell(goal, "goal") - _as_cell(cell, "cell")).tolist()
-    return search.estimate(rows, cols, search.OCTILE) / search.STRAIGHT
+    return moves.estimate(rows, cols, moves.OCTILE) / moves.STRAIGHT
 
 
 def neighbours(grid: GridMap, cell: ArrayLike, *, cut_corners: bool = False) -> list[Step]:
@@ -81,7 +81,7 @@ def neighbours(grid: GridMap, cell: ArrayLike, *, cut_corners: bool = False) -> 
     rows, cols = grid.shape
     if not (0 <= row < rows and 0 <= col < cols):
         raise ValueError(f"cell: ({row}, {col}) lies outside the map of {rows} by {cols} cells")
-    mark = np.full((3, 3), search.WALL, np.uint8)
+    mark = np.full((3, 3), moves.WALL, np.uint8)
     up, left = max(row - 1, 0), max(col - 1, 0)
     seen = grid.free[up : row + 2, left : col + 2]
     down, right = up - row + 1, left - col + 1
@@ -90,7 +90,7 @@ def neighbours(grid: GridMap, cell: ArrayLike, *, cut_corners: bool = False) -> 
     return [
         ((row + d_row, col + d_col), ROOT_2 if k & 1 else 1.0)
         for k, (d_row, d_col) in enumerate(DIRECTIONS)
-        if search.may_step(mark, 3, MIDDLE, k, cut_corners)
+        if moves.may_step(mark, 3, MIDDLE, k, cut_corners)
     ]
 
 
