@@ -88,9 +88,13 @@ FULL = {
 
 def test_an_answer_that_reaches_for_the_judge_is_told_so(row_of):
     reach = "    import robocon_course.exercises.judge as j\n    j.difference = None\n    return"
-    row = row_of(RIGHT.replace("    return", reach))
-    [verdict] = [v for v in row.verdicts if v.id == "start.wrap_angle"]
-    assert verdict.points == 0 and "robocon_course.exercises" in verdict.message
+    at_the_top = "from robocon_course.exercises.start import CHAPTER\n"
+    by_name = RIGHT.replace("    return", "    CHAPTER\n    return")
+    for cell in (RIGHT.replace("    return", reach), at_the_top + by_name):
+        row = row_of(cell)
+        [verdict] = [v for v in row.verdicts if v.id == "start.wrap_angle"]
+        assert verdict.points == 0
+        assert "This calls the course's own robocon_course.exercises" in verdict.message
 
 
 @pytest.mark.parametrize("cells", FULL.values(), ids=FULL)

@@ -82,6 +82,8 @@ def judge_answer(
         return no_answer(exercise, advice_on_missing(answer, exercise.chapter))
     process.allow(min(exercise.time_limit, time_limit))
     loaded = process.load(answer.text, exercise.blocked)
+    if loaded.error == "NotYourOwn":
+        return _verdict(exercise, Outcome.WRONG, _not_own(loaded))
     if loaded.error:
         return no_answer(exercise, f"Your code does not load: {loaded.error}: {loaded.message}")
     return judge(exercise, lambda args: process.call(answer.name, args), student, salt)
@@ -196,7 +198,7 @@ def _special(case: Case, reply: Reply) -> tuple[Outcome, str] | None:
     if reply.error == "NotImplementedError":
         return Outcome.NOT_ATTEMPTED, "Write the function in the cell above, run it, check again."
     if reply.error == "NotYourOwn":
-        return Outcome.WRONG, f"This calls the course's own {reply.message}; write your own."
+        return Outcome.WRONG, _not_own(reply)
     if reply.error == "ChangedInput":
         return Outcome.WRONG, (
             f"In the case “{case.what}”: it changes what it was given (x[0] = … or x += …). "
@@ -244,6 +246,10 @@ def _alike(case: Case, reply: Reply, other: Reply) -> bool:
         except (TypeError, ValueError, AttributeError, IndexError):
             pass  # a result without the form that has such traits
     return difference(reply.value, other.value, case.atol or ALIKE) is None
+
+
+def _not_own(reply: Reply) -> str:
+    return f"This calls the course's own {reply.message}; write your own."
 
 
 def _judged(case: Case, value: Any) -> Any:
