@@ -130,10 +130,14 @@ def _frame(
     for robot in robots:
         paint(field, robot_shapes(robot), moved)
     picture[inside] = field
+    return labelled(picture, inside, f"{now:.1f} s")
+
+
+def labelled(picture: Pixels, inside: tuple[slice, slice], words: str) -> Image.Image:
+    """A picture of a film, with a few words above the right corner of the field."""
     image = Image.fromarray(picture)
-    words = {"anchor": "rd", "fill": TRUTH, "font": font(14)}
     corner = (inside[1].stop - 2, inside[0].start - 6)
-    ImageDraw.Draw(image).text(corner, f"{now:.1f} s", **words)
+    ImageDraw.Draw(image).text(corner, words, anchor="rd", fill=TRUTH, font=font(14))
     return image
 
 

@@ -13,8 +13,8 @@ from PIL import Image, ImageDraw
 from robocon_course._arrays import FloatArray
 from robocon_course.gridmap import GridMap
 from robocon_course.planning import Plan
-from robocon_course.view.animation import LARGEST_GIF, backdrop_of, looped_gif
-from robocon_course.view.canvas import REFERENCE, TRUTH, Animation, figure, png, styled
+from robocon_course.view.animation import LARGEST_GIF, backdrop_of, labelled, looped_gif
+from robocon_course.view.canvas import REFERENCE, Animation, figure, png, styled
 from robocon_course.view.field_picture import (
     OUR_HALF,
     Window,
@@ -23,7 +23,7 @@ from robocon_course.view.field_picture import (
     draw_tracks,
     track,
 )
-from robocon_course.view.raster import Scale, font, rgb
+from robocon_course.view.raster import Scale, rgb
 
 WAVE = ("#E3EEF9", "#C6DBEF", "#9ECAE1", "#6BAED6", "#4292C6", "#2171B5", "#08519C", "#08306B")
 """From the first cells of a search to its last."""
@@ -163,7 +163,7 @@ def animate_search(
             opacity = colour[:, 3:] / 255.0
             field[seen] = field[seen] * (1.0 - opacity) + colour[:, :3] * opacity
             picture[inside] = field
-            images.append(_labelled(picture, inside, f"{now} cells"))
+            images.append(labelled(picture, inside, f"{now} cells"))
         images += [_with_way(images[-1], scale.pixels(plan.xy))] * STAYS
         gif = looped_gif(images, np.array([0.0, PLAYS]))
         if len(gif) <= LARGEST_GIF:
@@ -183,13 +183,6 @@ def _order_at(
     order = np.pad(plan.order, 1)
     (high, wide) = grid.shape
     return order[(row + 1).clip(0, high + 1)[:, None], (col + 1).clip(0, wide + 1)]
-
-
-def _labelled(picture: NDArray[np.uint8], inside: tuple[slice, slice], words: str) -> Image.Image:
-    image = Image.fromarray(picture)
-    corner = (inside[1].stop - 2, inside[0].start - 6)
-    ImageDraw.Draw(image).text(corner, words, anchor="rd", fill=TRUTH, font=font(14))
-    return image
 
 
 def _with_way(image: Image.Image, points: FloatArray) -> Image.Image:
