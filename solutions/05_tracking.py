@@ -18,7 +18,13 @@ import itertools
 import numpy as np
 
 from robocon_course import field, geometry, tracking, worlds
-from robocon_course.autopilot import module_command
+from robocon_course.autopilot import (
+    Following,
+    FollowSettings,
+    Route,
+    follow_step,
+    module_command,
+)
 from robocon_course.exercises import answer, begin, check, robot_parts, status
 from robocon_course.simulator import Simulator, warm_up
 from robocon_course.tracking import Cart, Faults, PidGains, PidLimits, PidState, TrackingSettings
@@ -48,56 +54,32 @@ show(
 turn = np.linspace(0.0, 2 * np.pi, 400)
 eight = np.column_stack([3.2 + 1.4 * np.sin(turn), 2.0 + 0.7 * np.sin(2 * turn)])
 eight_speeds = tracking.speed_profile(eight, 2.0, 2.0, 2.0)
+round_trip = Route(eight, geometry.distance_along(eight), eight_speeds)
 
 
 # %% [markdown]
-# One tick of the robot: how fast here, which way, how far beside the path? Read over it for now;
-# section 13 explains each line. You build its four parts: `nearest_point`, `pure_pursuit`, `pid_step`,
+# The robot's law is `autopilot.follow_step`: from path, speeds and pose to a velocity on the field.
+# Section 13 explains it. You build its four parts: `nearest_point`, `pure_pursuit`, `pid_step`,
 # `speed_profile`.
 
-# %%
-SIDE, HOLD, LIMITS = PidGains(4.0), PidGains(4.0), PidLimits(-1.0, 1.0)
-
-
-def left_of(path, foot, place):
-    """How far a place is to the left of the path [m]."""
-    along, off = path[foot.index + 1] - path[foot.index], place - np.array(foot.xy)
-    return foot.distance * np.sign(along[0] * off[1] - along[1] * off[0])
-
-
-def tick(parts, path, speeds, pose, memory, push=SIDE, dt=0.02):
-    """Velocity on the field for the next 20 ms, and what to remember."""
-    course, index, side, hold = memory
-    foot = parts.nearest_point(path, pose[:2], index, 0.5)
-    square = np.interp(foot.index + foot.share, np.arange(len(path)), speeds**2)
-    v = max(np.sqrt(square), 0.05)
-    found = parts.pure_pursuit(path, [pose[0], pose[1], course], 0.1 * v + 0.1, foot.index)
-    course += v * found.curvature * dt
-    side = parts.pid_step(side, 0.0, left_of(path, foot, pose[:2]), dt, push, LIMITS)
-    hold = parts.pid_step(hold, 0.0, geometry.wrap_angle(pose[2]), dt, HOLD, LIMITS)
-    c, s = np.cos(course), np.sin(course)
-    twist = np.array([v * c - side.output * s, v * s + side.output * c, hold.output])
-    return twist, (course, found.index, side, hold), found.done
-
 
 # %%
-def steer(parts, path, speeds, push=SIDE):
+def steer(parts, route, settings=FollowSettings()):
     """Drive a path in the simulator: time, poses, course, module angles and speeds, cross-track."""
-    robot, rows, way = Simulator(start=(*path[0], 0.0)), [], path[1] - path[0]
-    memory, done = (np.arctan2(way[1], way[0]), 0, PidState(), PidState()), False
-    while not done and len(rows) < 2000:
+    robot, rows, state = Simulator(start=(*route.xy[0], 0.0)), [], Following.begin(route)
+    while state.left > 0.01 and len(rows) < 2000:
         now, pose = robot.read(), robot.truth.pose
-        twist, memory, done = tick(parts, path, speeds, pose, memory, push)
-        course, _, side, _ = memory
-        rows.append((now.time, pose, course, now.module_angles, now.module_speeds, side.measured))
-        robot.apply(module_command(parts, twist, pose[2], now.module_angles, dt=0.02))
+        state = follow_step(parts, state, route, pose, 0.02, settings=settings)
+        seen = now.time, pose, state.course, now.module_angles, now.module_speeds
+        rows.append((*seen, state.across.measured))
+        robot.apply(module_command(parts, state.twist, pose[2], now.module_angles, dt=0.02))
         robot.step(0.02)
     return [np.array(column) for column in zip(*rows)]
 
 
 # %%
 warm_up()
-log = steer(robot_parts("reference"), eight, eight_speeds)
+log = steer(robot_parts("reference"), round_trip)
 off = 1000 * np.abs(log[5])
 moving = animate(log[0], {"reference": log[1]}, angles=log[3], speeds=log[4], frames=40)
 show(
@@ -1161,13 +1143,14 @@ show(
 # \dot y = v \sin\psi + u\,\cos\psi, \qquad
 # \omega = w$$
 #
-# - $v$: the speed profile at the nearest point.
+# - $v$: the speed profile, a little ahead of the nearest point: motors lag.
 # - $\kappa$: pure pursuit from the pose $(x, y, \psi)$, with $L = 0.1\,\mathrm{s} \cdot v + 0.1\,\mathrm{m}$. The course
 #   turns smoothly, so the modules can follow.
 # - $u$: a PID controller on the distance from the path. It pushes sideways, back to the path.
 # - $w$: a PID controller on the heading. It holds it.
 #
-# `tick` in section 2 is these four lines. Course and heading on the eight of section 2:
+# `follow_step` is these four lines, with limits for $u$ and $w$. Course and heading on the eight of
+# section 2:
 
 # %%
 courses = np.degrees(np.unwrap(log[2]))
@@ -1183,8 +1166,9 @@ show(
 
 # %%
 mine, course = robot_parts("mixed"), robot_parts("reference")
-runs = {"wrong: no push": steer(course, eight, eight_speeds, push=PidGains(0.0)), "reference": log}
-runs |= {"mine": steer(mine, eight, eight_speeds)} if mine.mine else {}
+no_push = FollowSettings(across=PidGains(0.0))
+runs = {"wrong: no push": steer(course, round_trip, no_push), "reference": log}
+runs |= {"mine": steer(mine, round_trip)} if mine.mine else {}
 rows = min(len(run[0]) for run in runs.values())
 beside = {name: 1000 * run[5][:rows] for name, run in runs.items()}
 rms = ", ".join(

@@ -52,9 +52,7 @@ def to_area_3() -> autopilot.Route:
 def along_x(length=3.0, speed=1.0) -> autopilot.Route:
     """A straight path along x in steps of 5 cm."""
     xy = np.column_stack([np.arange(0.0, length + 1e-9, 0.05), np.zeros(round(length / 0.05) + 1)])
-    return to_area_3()._replace(
-        xy=xy, along=distance_along(xy), speeds=speed_profile(xy, speed, 2.0, 1.5)
-    )
+    return autopilot.Route(xy, distance_along(xy), speed_profile(xy, speed, 2.0, 1.5))
 
 
 def body_cells(grid: GridMap, x: float, y: float) -> np.ndarray:
@@ -455,7 +453,7 @@ def test_a_robot_that_sees_nothing_any_more_stops_and_counts(bad):
 
 def test_it_has_arrived_only_where_it_stands_and_the_lidar_agrees():
     path = np.array([[4.3, 9.0], [4.3, 9.5], [4.3, 10.0]])
-    route = to_area_3()._replace(xy=path, along=distance_along(path), speeds=np.zeros(3))
+    route = autopilot.Route(path, distance_along(path), np.zeros(3))
     pilot = Pilot(PARTS, route, (4.3, 10.0, 0.0), DEAD_WHEELS, rest=0.05)
     for one in observations(20, speed=0.0):
         pilot.tick(one._replace(lidar=seen_by({"left": 1.7}).lidar))

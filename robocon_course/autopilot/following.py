@@ -54,8 +54,8 @@ class FollowSettings(NamedTuple):
         Slowest speed on the way: at its ends a profile says 0.
     braking : float  [s]
         So far ahead the speed is looked up.
-    near : float  [m]
-        So near to the end the robot heads straight for it.
+    near, homing : float  [m, 1/s]
+        So near to the end the robot heads straight for it, as fast as homing times what is left.
     patience : int
         For so many steps without a pose the last velocity holds; then the robot stops.
     """
@@ -69,6 +69,7 @@ class FollowSettings(NamedTuple):
     creep: float = 0.05
     braking: float = 0.05
     near: float = 0.02
+    homing: float = 3.0
     patience: int = 10
 
 
@@ -169,7 +170,7 @@ def follow_step(
     place = _place(route, foot.index, foot.share)
     left = float(route.along[-1]) - place
     speed = _speed_at(route, place + settings.braking * state.speed)
-    speed = max(speed, min(settings.creep, settings.across.k_p * left))
+    speed = max(speed, min(settings.creep, settings.homing * left))
     pursuit = parts.pure_pursuit(route.xy, (x, y, state.course), lookahead, foot.index)
     course = _steered(state.course, speed * pursuit.curvature * dt, pursuit.target, x, y)
     off = _cross_track(route.xy, foot, x, y)
@@ -203,7 +204,7 @@ def _velocity(
 ) -> FloatArray | tuple[float, float]:
     """Along the course and back to the path; just before the end straight to it [m/s, map]."""
     if left <= settings.near:
-        return settings.across.k_p * (route.xy[-1] - place)
+        return settings.homing * (route.xy[-1] - place)
     speed, course, side = motion
     return (
         speed * cos(course) - side * sin(course),

@@ -59,17 +59,17 @@ class Route(NamedTuple):
     along : ndarray, shape (n,)  [m]
         Way from the start to each point.
     speeds : ndarray, shape (n,)  [m/s]
-    plan : Plan
-        The cells that it was made of.
+    plan : Plan or None
+        The cells that it was made of, if a search made it.
     margin : float  [m]
-        Room that the body keeps.
+        Room that the body keeps, as far as known.
     """
 
     xy: FloatArray
     along: FloatArray
     speeds: FloatArray
-    plan: Plan
-    margin: float
+    plan: Plan | None = None
+    margin: float = 0.0
 
 
 def plan_route(
