@@ -191,17 +191,40 @@ def test_an_answer_that_changes_what_it_was_given_is_told_so(exercise_id):
     assert "it changes what it was given" in verdict.message
 
 
-def test_the_compiled_filter_is_no_answer_to_the_filter_exercise():
-    text = (
-        "import numpy as np\nfrom robocon_course import imu\n"
-        "def mahony_step(state, gyro, accel, dt, gains):\n"
-        "    memory = np.concatenate([state.quaternion, state.integral])\n"
-        "    imu.mahony_update(memory, gyro, accel, dt, *gains)\n"
-        "    return imu.MahonyState(memory[:4], memory[4:])\n"
-    )
-    exercise = registry.exercise("imu.mahony_step")
+WAYS_ROUND = {
+    "imu.mahony_step": "import numpy as np\nfrom robocon_course import imu\n"
+    "def mahony_step(state, gyro, accel, dt, gains):\n"
+    "    memory = np.concatenate([state.quaternion, state.integral])\n"
+    "    imu.mahony_update(memory, gyro, accel, dt, *gains)\n"
+    "    return imu.MahonyState(memory[:4], memory[4:])\n",
+    "swerve.body_twist": "from robocon_course import swerve\n"
+    "def body_twist(drive, speeds, angles):\n"
+    "    return swerve.body_motion(drive, speeds, angles).twist\n",
+    "swerve.discretize": "from robocon_course import geometry\n"
+    "def discretize(twist, dt):\n    return geometry.se2_log(twist * dt) / dt\n",
+    "tracking.pid_step": "from robocon_course import tracking\n"
+    "def pid_step(state, setpoint, measured, dt, gains, limits):\n"
+    "    pid = tracking.Pid(gains, limits)\n    pid.state = state\n"
+    "    pid.update(setpoint, measured, dt)\n    return pid.state\n",
+    "tracking.nearest_point": "from robocon_course.tracking import PathPoint, polyline\n"
+    "def nearest_point(path, point, start_index, reach):\n"
+    "    k, s, x, y, d = polyline.nearest(path, *point, start_index, reach)\n"
+    "    return PathPoint(k, s, (x, y), d)\n",
+    "tracking.pure_pursuit": "from robocon_course.tracking import pursuit\n"
+    "def pure_pursuit(path, pose, lookahead, start_index):\n"
+    "    return pursuit.pursue(path, tuple(pose), lookahead, start_index)\n",
+    "tracking.tune": "from robocon_course.tracking import search\n"
+    "def tune(model, path):\n"
+    "    return min(search._begin(model), key=lambda s: search._cost(path, model, s))\n",
+}
+
+
+@pytest.mark.parametrize("exercise_id", WAYS_ROUND)
+def test_the_courses_own_way_round_is_no_answer(exercise_id):
+    exercise = registry.exercise(exercise_id)
     with AnswerProcess() as process:
-        verdict = judge_answer(process, exercise, Answer("mahony_step", text), 0)
+        answer = Answer(exercise.function_name, WAYS_ROUND[exercise_id])
+        verdict = judge_answer(process, exercise, answer, 0)
     assert verdict.points == 0.0 and "the course's own" in verdict.message
 
 

@@ -139,6 +139,14 @@ def test_a_goal_where_the_body_cannot_be_is_refused(goal, sentence):
         plan_route(PARTS, FIELD, field.START, goal)
 
 
+def test_a_search_of_ones_own_that_says_little_is_not_asked_about_a_goal_outside():
+    def astar(room, start, goal):
+        raise NoPathError("not free")
+
+    with pytest.raises(NoPathError, match="outside the map, which spans"):
+        plan_route(replace(PARTS, astar=astar), FIELD, field.START, (99.0, 0.0))
+
+
 # --- following -------------------------------------------------------------------------------
 
 

@@ -211,24 +211,6 @@ def test_a_right_answer_in_another_style_earns_all_points(exercise_id):
     assert verdict.outcome is Outcome.PASSED, verdict.message
 
 
-CLASSES = {
-    "swerve.body_twist": "from robocon_course import swerve\n"
-    "def body_twist(drive, speeds, angles):\n"
-    "    return swerve.body_motion(drive, speeds, angles).twist\n",
-    "swerve.discretize": "from robocon_course import geometry\n"
-    "def discretize(twist, dt):\n    return geometry.se2_log(twist * dt) / dt\n",
-}
-
-
-@pytest.mark.parametrize("exercise_id", CLASSES)
-def test_the_courses_own_way_round_is_no_answer(exercise_id):
-    exercise = registry.exercise(exercise_id)
-    with AnswerProcess() as process:
-        answer = Answer(exercise.function_name, CLASSES[exercise_id])
-        verdict = judge_answer(process, exercise, answer, 0)
-    assert verdict.points == 0.0 and "the course's own" in verdict.message
-
-
 # --- the way to a command ---------------------------------------------------------------------
 
 

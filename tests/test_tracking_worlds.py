@@ -225,30 +225,6 @@ def test_a_right_answer_in_another_style_earns_all_points(exercise_id):
             assert verdict.outcome is Outcome.PASSED, verdict.message
 
 
-CLASSES = {
-    "tracking.pid_step": "from robocon_course import tracking\n"
-    "def pid_step(state, setpoint, measured, dt, gains, limits):\n"
-    "    pid = tracking.Pid(gains, limits)\n    pid.state = state\n"
-    "    pid.update(setpoint, measured, dt)\n    return pid.state\n",
-    "tracking.nearest_point": "from robocon_course.tracking import PathPoint, polyline\n"
-    "def nearest_point(path, point, start_index, reach):\n"
-    "    k, s, x, y, d = polyline.nearest(path, *point, start_index, reach)\n"
-    "    return PathPoint(k, s, (x, y), d)\n",
-    "tracking.pure_pursuit": "from robocon_course.tracking import pursuit\n"
-    "def pure_pursuit(path, pose, lookahead, start_index):\n"
-    "    return pursuit.pursue(path, tuple(pose), lookahead, start_index)\n",
-}
-
-
-@pytest.mark.parametrize("exercise_id", CLASSES)
-def test_the_courses_own_way_round_is_no_answer(exercise_id):
-    exercise = registry.exercise(exercise_id)
-    with AnswerProcess() as process:
-        answer = Answer(exercise.function_name, CLASSES[exercise_id])
-        verdict = judge_answer(process, exercise, answer, 0)
-    assert verdict.points == 0.0 and "the course's own" in verdict.message
-
-
 def test_the_end_of_a_segment_and_the_beginning_of_the_next_are_one_place():
     exercise = registry.exercise("tracking.nearest_point")
 
