@@ -22,7 +22,7 @@ FLOORS = (
     ("gridmap", "drivetrain"),
     ("raycast",),
     ("field",),
-    ("imu", "odometry", "swerve", "planning", "tracking"),
+    ("imu", "odometry", "swerve", "planning", "tracking", "vision"),
     ("robot",),
     ("simulator", "autopilot"),
     ("worlds",),
