@@ -1,0 +1,159 @@
+"""A camera: from points in front of it to pixels, from pixels back to directions.
+
+Camera frame: origin in the lens, x to the right, y down, z forward along the optical axis
+(REP-103's optical frame). Pixels count from the picture's upper left corner; the middle of the
+first pixel is (0.5, 0.5).
+
+Source: one-parameter division model of lens distortion: Fitzgibbon, "Simultaneous linear estimation
+of multiple view geometry and lens distortion", CVPR 2001, eq. 1: x_u = x_d / (1 + k |x_d|^2). It is
+exact in both directions, which the polynomial models are not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, sin, tan
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robocon_course._arrays import FloatArray, as_floats, as_vectors
+
+MOUNT = (0.25, 0.0, 0.42)
+"""Where the lens sits on the robot [m, base; z above the floor]."""
+SERVO_RANGE = (-0.2, 1.2)
+"""Tilt of the camera servo [rad]: 0 looks level, positive looks down."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole with mild barrel distortion.
+
+    Attributes
+    ----------
+    width, height : int  [pixels]
+    focal : float  [pixels]
+        Distance of the picture plane; a point 1 m ahead and 1 m aside lies about this far from
+        the middle.
+    distortion : float
+        k of the division model, for distances from the axis in units of the focal length. Negative
+        is a barrel: straight lines bulge outwards.
+    """
+
+    width: int = 320
+    height: int = 240
+    focal: float = 277.0
+    distortion: float = -0.05
+
+    @classmethod
+    def with_view(
+        cls, angle: float, width: int = 320, height: int = 240, distortion: float = -0.05
+    ) -> Camera:
+        """A camera that sees an angle [rad] across its width, distortion not counted."""
+        return cls(width, height, 0.5 * width / tan(0.5 * angle), distortion)
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Where the optical axis meets the picture [pixels]."""
+        return self.width / 2, self.height / 2
+
+    def scaled(self, factor: float) -> Camera:
+        """The same camera with `factor` times as many pixels each way."""
+        size = round(self.width * factor), round(self.height * factor)
+        return Camera(*size, self.focal * factor, self.distortion)
+
+    def pixels(self, points: ArrayLike) -> FloatArray:
+        """Where points appear in the picture.
+
+        Parameters
+        ----------
+        points : array_like, shape (..., 3)  [m, camera]
+
+        Returns
+        -------
+        ndarray, shape (..., 2)  [pixels]
+            Inside the picture or not. NaN for points behind the camera, and so far aside that this
+            lens cannot bend their light into the picture.
+        """
+        points = as_vectors(points, "points", 3)
+        depth = np.where(points[..., 2:] > 1e-9, points[..., 2:], np.nan)
+        flat = points[..., :2] / depth
+        squared = np.sum(flat * flat, axis=-1, keepdims=True)
+        with np.errstate(invalid="ignore"):
+            # The root of k r_u r_d^2 - r_d + r_u = 0 that tends to r_u as k does to 0.
+            shrunk = 2.0 / (1.0 + np.sqrt(1.0 - 4.0 * self.distortion * squared))
+        return flat * shrunk * self.focal + self.centre
+
+    def rays(self, pixels: ArrayLike) -> FloatArray:
+        """Directions in which pixels look: the inverse of `pixels`.
+
+        Parameters
+        ----------
+        pixels : array_like, shape (..., 2)  [pixels]
+
+        Returns
+        -------
+        ndarray, shape (..., 3)  [camera]
+            Unit vectors.
+        """
+        flat = (as_vectors(pixels, "pixels", 2) - self.centre) / self.focal
+        depth = 1.0 + self.distortion * np.sum(flat * flat, axis=-1, keepdims=True)
+        rays = np.concatenate([flat, depth], axis=-1)
+        return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+
+
+def camera_pose(
+    pose: ArrayLike, floor: float = 0.0, *, pan: float = 0.0, tilt: float = 0.0, roll: float = 0.0
+) -> FloatArray:
+    """Where the robot's camera is and which way it looks.
+
+    Parameters
+    ----------
+    pose : array_like, shape (3,)  [m, m, rad, map]
+        Of the robot.
+    floor : float  [m, map]
+        Height of the floor under it.
+    pan, tilt, roll : float  [rad]
+        Of the servos: pan to the left, tilt down, roll clockwise as the picture shows it.
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+        ``T_map_camera``: takes points from the camera frame to the map frame.
+    """
+    x, y, theta = as_floats(pose, "pose", 3)
+    ahead, left, up = MOUNT
+    lens = (
+        x + ahead * cos(theta) - left * sin(theta),
+        y + ahead * sin(theta) + left * cos(theta),
+        floor + up,
+    )
+    return looking(lens, theta + pan, tilt, roll)
+
+
+def looking(lens: ArrayLike, heading: float, tilt: float, roll: float = 0.0) -> FloatArray:
+    """``T_map_camera`` of a camera anywhere.
+
+    Parameters
+    ----------
+    lens : array_like, shape (3,)  [m, map]
+    heading : float  [rad, map]
+    tilt, roll : float  [rad]
+        Down, and clockwise as the picture shows it.
+    """
+    forward = np.array([cos(heading) * cos(tilt), sin(heading) * cos(tilt), -sin(tilt)])
+    right = np.array([sin(heading), -cos(heading), 0.0])
+    down = np.cross(forward, right)
+    T = np.eye(4)
+    T[:3, 0] = cos(roll) * right - sin(roll) * down
+    T[:3, 1] = sin(roll) * right + cos(roll) * down
+    T[:3, 2] = forward
+    T[:3, 3] = as_floats(lens, "lens", 3)
+    return T
+
+
+def view_towards(lens: ArrayLike, target: ArrayLike, roll: float = 0.0) -> FloatArray:
+    """``T_map_camera`` of a camera at `lens` with `target` in the middle of its picture."""
+    ahead = as_floats(target, "target", 3) - as_floats(lens, "lens", 3)
+    heading = np.arctan2(ahead[1], ahead[0])
+    return looking(lens, heading, -np.arctan2(ahead[2], np.hypot(ahead[0], ahead[1])), roll)

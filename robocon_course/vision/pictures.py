@@ -1,0 +1,149 @@
+"""Pictures of the field that nobody took, with exact boxes around what is to be found.
+
+``picture("ball", seed, index)`` is a pure function: the same arguments give the same picture, to the
+byte on one machine and library version. The simulator's camera takes its pictures by `take`, too.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robocon_course._arrays import FloatArray
+from robocon_course.vision import film, render, shots, venue
+from robocon_course.vision.camera import Camera
+from robocon_course.vision.scene import Scene, linear
+
+FINENESS = 1.5
+"""Rays per pixel and direction."""
+LEAST_SIDE = {"ball": 4.0, "silo": 8.0}
+"""Nothing narrower or lower than this gets a box [pixels]."""
+LEAST_SHARE = {"ball": 0.2, "silo": 0.5}
+"""Nor anything of which less than this share is seen."""
+LEAST_OF_A_FILLING = 0.3
+"""Nor a silo with a ball of which less than this share is seen: nobody could name its filling."""
+SIZES = ((320, 240), (320, 180), (320, 320), (320, 240))
+"""Shapes of picture that are drawn when none is asked for."""
+
+
+class Picture(NamedTuple):
+    """A picture and what is in it.
+
+    Attributes
+    ----------
+    image_bgr : ndarray of uint8, shape (h, w, 3)
+    boxes : ndarray of float32, shape (n, 4)
+        Left, top, right, bottom of the visible part [pixels].
+    class_ids : ndarray of int64, shape (n,)
+        By the order of `classes.CLASSES`.
+    """
+
+    image_bgr: NDArray[np.uint8]
+    boxes: NDArray[np.float32]
+    class_ids: NDArray[np.int64]
+
+
+def picture(kind: str, seed: int, index: int, size: tuple[int, int] | None = (320, 240)) -> Picture:
+    """A picture for a data set, number `index` of the series `seed`.
+
+    Parameters
+    ----------
+    kind : {"ball", "silo"}
+        What the boxes are drawn around.
+    seed, index : int
+    size : (int, int) or None  [pixels]
+        Width and height; None draws one of `SIZES`.
+
+    Returns
+    -------
+    Picture
+    """
+    rng = np.random.default_rng([seed, index, ("ball", "silo").index(kind)])
+    if size is None:
+        size = SIZES[rng.integers(len(SIZES))]
+    scene, camera, T_map_camera = shots.shot(kind, rng, size)
+    return take(scene, camera, T_map_camera, film.Film.random(rng, size[0]), rng, kind)
+
+
+def take(
+    scene: Scene,
+    camera: Camera,
+    T_map_camera: FloatArray,
+    on: film.Film,
+    rng: np.random.Generator,
+    kind: str = "ball",
+) -> Picture:
+    """A picture of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    camera : Camera
+    T_map_camera : ndarray, shape (4, 4)
+        Where the camera is.
+    on : Film
+    rng : numpy.random.Generator
+        For the noise.
+    kind : {"ball", "silo"}
+        What the boxes are drawn around.
+
+    Returns
+    -------
+    Picture
+    """
+    fine = camera.scaled(FINENESS)
+    packed = scene.packed()
+    view = render.seen(packed, fine, T_map_camera)
+    paints = (
+        venue.field_map(),
+        linear(_paints(scene)).astype(np.float32),
+        venue.MAP_RESOLUTION,
+        -0.05,
+    )
+    textures = np.stack(scene.textures or [np.zeros((render.TILE, render.TILE, 3), np.uint8)])
+    light = render.shaded(
+        packed, fine, T_map_camera, view, film.to_linear(textures), paints, venue.grain()
+    )
+    image = film.develop(light, (camera.width, camera.height), on, rng)
+    boxes, class_ids = visible(scene, view[2], fine, T_map_camera, kind)
+    return Picture(image, boxes, class_ids)
+
+
+def _paints(scene: Scene) -> FloatArray:
+    return np.zeros((1, 3)) if scene.field_colours is None else scene.field_colours
+
+
+def visible(
+    scene: Scene, what: NDArray[np.int32], fine: Camera, T_map_camera: FloatArray, kind: str
+) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """Boxes around the visible part of each ball, or of each silo with its balls."""
+    first = len(scene.rects)
+    total = first + len(scene.balls) + len(scene.cages)
+    spans, counts = render.spans(what, first, total)
+    boxes, ids = [], []
+    if kind == "ball":
+        whole = render.whole_ball(scene, fine, T_map_camera)
+        for k, ball in enumerate(scene.balls):
+            if ball.label >= 0 and counts[first + k] >= LEAST_SHARE["ball"] * whole[k]:
+                boxes.append(spans[first + k])
+                ids.append(ball.label)
+    else:
+        start = first + len(scene.balls)
+        whole = render.whole_cage(scene, fine, T_map_camera)
+        least = LEAST_OF_A_FILLING * render.whole_ball(scene, fine, T_map_camera)
+        for k, cage in enumerate(scene.cages):
+            held = [b for b, ball in enumerate(scene.balls) if ball.cage == k]
+            parts = [start + k, *(first + b for b in held)]
+            if counts[start + k] == 0 or any(counts[first + b] < least[b] for b in held):
+                continue
+            span = np.array([spans[parts, 0].min(), spans[parts, 1].min(),
+                             spans[parts, 2].max(), spans[parts, 3].max()])  # fmt: skip
+            area = (span[2] - span[0]) * (span[3] - span[1])
+            if area >= LEAST_SHARE["silo"] * whole[k]:
+                boxes.append(span)
+                ids.append(cage.filling)
+    found = np.array(boxes, np.float32).reshape(-1, 4) / FINENESS
+    wide = (found[:, 2:] - found[:, :2]).min(axis=1, initial=np.inf, where=True) >= LEAST_SIDE[kind]
+    return found[wide], np.array(ids, np.int64)[wide]
