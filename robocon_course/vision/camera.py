@@ -114,7 +114,7 @@ def camera_pose(
     floor : float  [m, map]
         Height of the floor under it.
     pan, tilt, roll : float  [rad]
-        Of the servos: pan to the left, tilt down, roll clockwise as the picture shows it.
+        Of the servos: pan to the left, tilt down; roll turns what the picture shows clockwise.
 
     Returns
     -------
@@ -139,7 +139,7 @@ def looking(lens: ArrayLike, heading: float, tilt: float, roll: float = 0.0) -> 
     lens : array_like, shape (3,)  [m, map]
     heading : float  [rad, map]
     tilt, roll : float  [rad]
-        Down, and clockwise as the picture shows it.
+        Tilt looks down; roll turns what the picture shows clockwise.
     """
     forward = np.array([cos(heading) * cos(tilt), sin(heading) * cos(tilt), -sin(tilt)])
     right = np.array([sin(heading), -cos(heading), 0.0])

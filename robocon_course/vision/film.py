@@ -8,8 +8,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robocon_course._arrays import FloatArray
-
 
 @dataclass(frozen=True)
 class Film:
@@ -28,7 +26,7 @@ class Film:
     motion : (float, float)  [pixels of the picture]
         How far the picture moved while the shutter was open.
     noise : float
-        Standard deviation at full brightness, of 1; shot noise, it falls with the root of the light.
+        Standard deviation at full brightness, of 1; shot noise: it falls with the light's root.
     contrast : float
         Steepness of the tone curve's middle; 1 is none.
     vignette : float
@@ -92,8 +90,7 @@ def develop(
     -------
     ndarray of uint8, shape (height, width, 3)
     """
-    width, height = size
-    factor = light.shape[1] / width
+    factor = light.shape[1] / size[0]
     light = _blurred(light, film, factor)
     light = cv2.resize(light, size, interpolation=cv2.INTER_AREA)
     light *= film.exposure / max(1e-6, float(light.mean()))
@@ -111,7 +108,7 @@ def develop(
     if film.sharpen > 0.0:
         picture += film.sharpen * (picture - cv2.GaussianBlur(picture, (0, 0), 1.0))
     numbers = np.clip(picture * 255.0 + 0.5, 0, 255).astype(np.uint8)
-    kept, data = cv2.imencode(".jpg", numbers[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, film.quality])
+    _, data = cv2.imencode(".jpg", numbers[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, film.quality])
     return cv2.imdecode(data, cv2.IMREAD_COLOR)
 
 

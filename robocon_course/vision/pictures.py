@@ -1,7 +1,7 @@
 """Pictures of the field that nobody took, with exact boxes around what is to be found.
 
-``picture("ball", seed, index)`` is a pure function: the same arguments give the same picture, to the
-byte on one machine and library version. The simulator's camera takes its pictures by `take`, too.
+``picture("ball", seed, index)`` is a pure function: the same arguments give the same picture, to
+the byte on one machine and library version. The simulator's camera uses `take`, too.
 """
 
 from __future__ import annotations
@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from robocon_course._arrays import FloatArray
 from robocon_course.vision import film, render, shots, venue
 from robocon_course.vision.camera import Camera
+from robocon_course.vision.classes import CLASSES
 from robocon_course.vision.scene import Scene, linear
 
 FINENESS = 1.5
 """Rays per pixel and direction."""
 LEAST_SIDE = {"ball": 4.0, "silo": 8.0}
 """Nothing narrower or lower than this gets a box [pixels]."""
-LEAST_SHARE = {"ball": 0.2, "silo": 0.5}
+LEAST_SHARE = {"ball": 0.15, "silo": 0.5}
 """Nor anything of which less than this share is seen."""
 LEAST_OF_A_FILLING = 0.3
 """Nor a silo with a ball of which less than this share is seen: nobody could name its filling."""
@@ -59,8 +60,17 @@ def picture(kind: str, seed: int, index: int, size: tuple[int, int] | None = (32
     Returns
     -------
     Picture
+
+    Raises
+    ------
+    ValueError
+        Another kind, or a picture of less than 32 pixels a side.
     """
-    rng = np.random.default_rng([seed, index, ("ball", "silo").index(kind)])
+    if kind not in CLASSES:
+        raise ValueError(f"kind: expected 'ball' or 'silo', got {kind!r}")
+    if size is not None and not (len(size) == 2 and min(size) >= 32):
+        raise ValueError(f"size: expected width and height, at least 32 pixels each, got {size!r}")
+    rng = np.random.default_rng([seed, index, list(CLASSES).index(kind)])
     if size is None:
         size = SIZES[rng.integers(len(SIZES))]
     scene, camera, T_map_camera = shots.shot(kind, rng, size)

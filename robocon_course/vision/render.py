@@ -533,7 +533,7 @@ def whole_ball(scene, camera: Camera, T_map_camera: FloatArray) -> FloatArray:
 def whole_cage(scene, camera: Camera, T_map_camera: FloatArray) -> FloatArray:
     """How many rays the upright rectangle around each cage would fill if nothing hid it."""
     turn, eye = T_map_camera[:3, :3], T_map_camera[:3, 3]
-    middles = np.array([c.foot + (0, 0, 0.2) for c in scene.cages]).reshape(-1, 3) - eye
+    middles = np.array([c.foot + np.array([0, 0, 0.2]) for c in scene.cages]).reshape(-1, 3) - eye
     depth = np.maximum(middles @ turn[:, 2], 0.05)
     heights = np.array([c.rings[3] for c in scene.cages])
     return 2 * CAGE_RADIUS * heights * (camera.focal / depth) ** 2

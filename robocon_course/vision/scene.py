@@ -132,7 +132,7 @@ class Scene:
         turn: float = 0.0,
         **look: float,
     ) -> None:
-        """A box without a bottom, from its low to its high corner, turned about its middle [rad]."""
+        """A box without a bottom from its low to its high corner, turned about its middle [rad]."""
         (x0, y0, z0), (x1, y1, z1) = low, high
         mx, my = (x0 + x1) / 2, (y0 + y1) / 2
         c, s = np.cos(turn), np.sin(turn)
@@ -181,8 +181,8 @@ class Scene:
 class Packed(NamedTuple):
     """A scene as float32 arrays, one row a thing, colours linear; columns as in the classes above.
 
-    Rectangles: origin, unit edges and normal (columns 0 to 11), their lengths (12, 13), colour (14 to
-    16), texture (17), its scale and shift (18 to 20), grain (21), gloss (22).
+    Rectangles: origin, unit edges and normal (columns 0 to 11), the edges' lengths (12, 13), colour
+    (14 to 16), texture (17), its scale and shift (18 to 20), grain (21), gloss (22).
     """
 
     rects: NDArray[np.float32]

@@ -82,7 +82,7 @@ def _is_free(scene: Scene, lens: FloatArray) -> bool:
     """Whether the lens is in the room, and nothing round is about to touch it."""
     if not ((np.array(scene.low) + 0.1 < lens[:2]) & (lens[:2] < np.array(scene.high) - 0.1)).all():
         return False
-    near = [b.centre for b in scene.balls] + [c.foot + (0, 0, 0.2) for c in scene.cages]
+    near = [b.centre for b in scene.balls] + [c.foot + np.array([0, 0, 0.2]) for c in scene.cages]
     near += [np.r_[p.foot[:2], lens[2]] for p in scene.pillars]
     return all(np.linalg.norm(lens - p) > 0.2 for p in near)
 
