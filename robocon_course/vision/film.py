@@ -94,16 +94,13 @@ def develop(
     light = _blurred(light, film, factor)
     light = cv2.resize(light, size, interpolation=cv2.INTER_AREA)
     light *= film.exposure / max(1e-6, float(light.mean()))
-    light *= np.array(film.balance, np.float32)
-    grey = light @ np.array([0.3, 0.59, 0.11], np.float32)
-    light = grey[..., None] + np.float32(film.saturation) * (light - grey[..., None])
+    light = cv2.transform(light, _colours(film))
     light *= _veil(size, film)[..., None]
     if film.glare[2] > 0.0:
         light += _glare(size, film)[..., None]
-    light = np.clip(light, 0.0, None)
-    light += rng.standard_normal(light.shape, np.float32) * (
-        np.float32(film.noise) * np.sqrt(light + 0.02)
-    )
+    np.maximum(light, 0.0, out=light)
+    noise = rng.standard_normal(light.shape, np.float32)
+    light += noise * (np.float32(film.noise) * cv2.sqrt(light + np.float32(0.02)))
     picture = _tone(light, film.contrast)
     if film.sharpen > 0.0:
         picture += film.sharpen * (picture - cv2.GaussianBlur(picture, (0, 0), 1.0))
@@ -128,6 +125,12 @@ def _blurred(light: NDArray[np.float32], film: Film, factor: float) -> NDArray[n
     return light
 
 
+def _colours(film: Film) -> NDArray[np.float32]:
+    """White balance, then saturation, as one matrix."""
+    grey = np.tile([0.3, 0.59, 0.11], (3, 1))
+    return ((grey + film.saturation * (np.eye(3) - grey)) * film.balance).astype(np.float32)
+
+
 def _veil(size: tuple[int, int], film: Film) -> NDArray[np.float32]:
     """Light that the lens lets through, less in the corners."""
     x = np.linspace(-1, 1, size[0], dtype=np.float32)
@@ -146,8 +149,9 @@ def _glare(size: tuple[int, int], film: Film) -> NDArray[np.float32]:
 
 def _tone(light: NDArray[np.float32], contrast: float) -> NDArray[np.float32]:
     """sRGB's power, a soft shoulder towards white, and a steeper middle."""
-    soft = light * (1.0 + light / 6.0) / (1.0 + light)
-    picture = np.power(np.maximum(soft * 1.25, 0.0), np.float32(1 / 2.2))
+    light = np.maximum(light, 0.0)
+    soft = light * (1.25 + light * np.float32(1.25 / 6.0)) / (1.0 + light)
+    picture = cv2.pow(soft, 1 / 2.2)
     return np.clip(0.5 + (picture - 0.5) * np.float32(contrast), 0.0, 1.0)
 
 

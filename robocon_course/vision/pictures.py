@@ -106,16 +106,12 @@ def take(
     fine = camera.scaled(FINENESS)
     packed = scene.packed()
     view = render.seen(packed, fine, T_map_camera)
-    paints = (
-        venue.field_map(),
-        linear(_paints(scene)).astype(np.float32),
-        venue.MAP_RESOLUTION,
-        -0.05,
-    )
     textures = np.stack(scene.textures or [np.zeros((render.TILE, render.TILE, 3), np.uint8)])
+    paints = linear(_paints(scene)).astype(np.float32)
     light = render.shaded(
-        packed, fine, T_map_camera, view, film.to_linear(textures), paints, venue.grain()
-    )
+        packed, fine, T_map_camera, view,
+        film.to_linear(textures), venue.field_map(), paints, venue.grain(),
+    )  # fmt: skip
     image = film.develop(light, (camera.width, camera.height), on, rng)
     boxes, class_ids = visible(scene, view[2], fine, T_map_camera, kind)
     return Picture(image, boxes, class_ids)

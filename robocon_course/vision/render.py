@@ -14,6 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray
+from robocon_course.field import ORIGIN, SPAN
 from robocon_course.vision.camera import Camera
 from robocon_course.vision.scene import CAGE_RADIUS, FIELD_MAP, RADIUS, Packed
 
@@ -28,6 +29,15 @@ TILE = 256
 """Side of textures and grain [pixels]; a power of two, so that they repeat by masking bits."""
 BIAS = 1 << 16
 """A multiple of `TILE` that makes coordinates positive, so that `int` rounds all of them down."""
+RADIUS_32 = np.float32(RADIUS)
+FLANK, SEAM = np.float32(0.18), np.float32(0.4)
+"""How far a seam's flank leans, and how much light the seam keeps."""
+UPRIGHT = np.float32(0.85)
+"""Share of the light from everywhere that reaches an upright wall."""
+VEIL = np.float32(0.08)
+"""Strength of a gloss's wide lobe, of its narrow one."""
+LEAST_DEPTH = 0.05
+"""Corners nearer to the lens's plane than this are not projected [m]."""
 NEAR = 0.03
 """Nothing nearer than this is seen [m]."""
 
@@ -111,7 +121,7 @@ def window(points, eye, edge, turn):
     for k in range(len(points)):
         x, y, z = points[k] - eye
         depth = turn[0, 2] * x + turn[1, 2] * y + turn[2, 2] * z
-        if depth < 0.05:
+        if depth < 0.5 * LEAST_DEPTH:
             behind += 1
             continue
         u = (turn[0, 0] * x + turn[1, 0] * y + turn[2, 0] * z) / depth
@@ -129,6 +139,25 @@ def window(points, eye, edge, turn):
     rows = max(0, int(top + cy) - 2), min(h, int(bottom + cy) + 3)
     cols = max(0, int(left + cx) - 2), min(w, int(right + cx) + 3)
     return rows[0], rows[1], cols[0], cols[1]
+
+
+@njit(cache=True, error_model="numpy")
+def in_front(corners, eye, turn):
+    """The part of a flat polygon that lies before the camera: a polygon again."""
+    n = len(corners)
+    kept = np.empty((2 * n, 3), np.float32)
+    count = 0
+    for k in range(n):
+        here, there = corners[k], corners[(k + 1) % n]
+        a = np.sum((here - eye) * turn[:, 2]) - LEAST_DEPTH
+        b = np.sum((there - eye) * turn[:, 2]) - LEAST_DEPTH
+        if a >= 0.0:
+            kept[count] = here
+            count += 1
+        if (a >= 0.0) != (b >= 0.0):
+            kept[count] = here + a / (a - b) * (there - here)
+            count += 1
+    return kept[:count]
 
 
 @njit(cache=True, error_model="numpy")
@@ -151,9 +180,12 @@ def see_rects(rects, rays, eye, depth, what, edge, turn):
         for k in range(3):
             corners[0, k] = rects[q, k]
             corners[1, k] = corners[0, k] + rects[q, 3 + k] * lu
-            corners[2, k] = corners[0, k] + rects[q, 6 + k] * lv
-            corners[3, k] = corners[1, k] + rects[q, 6 + k] * lv
-        top, bottom, left, right = window(corners, eye, edge, turn)
+            corners[2, k] = corners[1, k] + rects[q, 6 + k] * lv
+            corners[3, k] = corners[0, k] + rects[q, 6 + k] * lv
+        part = in_front(corners, eye, turn)
+        if len(part) == 0:
+            continue
+        top, bottom, left, right = window(part, eye, edge, turn)
         x, y, z = rects[q, 0] - eye[0], rects[q, 1] - eye[1], rects[q, 2] - eye[2]
         ux, uy, uz = rects[q, 3], rects[q, 4], rects[q, 5]
         vx, vy, vz = rects[q, 6], rects[q, 7], rects[q, 8]
@@ -283,7 +315,8 @@ def shaded(
     T_map_camera: FloatArray,
     view: tuple[Image, Image, NDArray[np.int32]],
     textures: Image,
-    field_map: tuple[NDArray[np.uint8], NDArray[np.float32], float, float],
+    floor_map: NDArray[np.uint8],
+    paints: Image,
     grain: Image,
 ) -> Image:
     """The light that reaches each pixel, linear RGB, from what `seen` found.
@@ -292,8 +325,10 @@ def shaded(
     ----------
     textures : ndarray of float32, shape (k, s, s, 3)
         Linear RGB.
-    field_map : (numbers, paints, resolution, origin)
-        Which paint lies in each cell of the floor (row 0 at the smallest y); linear RGB of each.
+    floor_map : ndarray of uint8, shape (n, n)
+        Which paint lies in each cell of the field; row 0 at the smallest y.
+    paints : ndarray of float32, shape (k, 3)
+        Linear RGB.
     grain : ndarray of float32, shape (s, s)
         Noise around 0, the same scale everywhere: dirt, wood, brush strokes.
     """
@@ -307,21 +342,11 @@ def shaded(
         key, sky,
     )  # fmt: skip
     image = np.empty((*depth.shape, 3), np.float32)
+    focal = np.float32(camera.focal)
     shade(
-        scene,
-        rays,
-        eye,
-        depth,
-        what,
-        key,
-        sky,
-        textures,
-        *field_map,
-        grain,
-        PANELS,
-        np.float32(camera.focal),
+        scene, rays, eye, depth, what, key, sky, textures, floor_map, paints, grain, PANELS, focal,
         image,
-    )
+    )  # fmt: skip
     return image
 
 
@@ -356,42 +381,38 @@ def cast_shadows(balls, lamp, rays, eye, depth, what, first, edge, turn, key, sk
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def on_rect(rects, q, x, y, z, textures, numbers, paints, resolution, origin, grain, normal, paint):
-    """Normal and paint of a flat rectangle at a point: its colour, texture and dirt."""
+def on_rect(rects, q, x, y, z, textures, floor_map, paints, grain):
+    """Paint of a flat rectangle at a point: its colour, texture and dirt."""
     rx, ry, rz = x - rects[q, 0], y - rects[q, 1], z - rects[q, 2]
     a = rx * rects[q, 3] + ry * rects[q, 4] + rz * rects[q, 5] + rects[q, 19]
     b = rx * rects[q, 6] + ry * rects[q, 7] + rz * rects[q, 8] + rects[q, 20]
     texture = int(rects[q, 17])
-    for k in range(3):
-        normal[k] = rects[q, 9 + k]
-        paint[k] = rects[q, 14 + k]
+    red, green, blue = rects[q, 14], rects[q, 15], rects[q, 16]
     if texture == FIELD_MAP:
-        n = len(numbers)
-        i = min(n - 1, max(0, int((y - origin) / resolution)))
-        j = min(n - 1, max(0, int((x - origin) / resolution)))
-        for k in range(3):
-            paint[k] = paints[numbers[i, j], k]
+        n = len(floor_map)
+        per_metre = n / SPAN
+        i = min(n - 1, max(0, int((y - ORIGIN[1]) * per_metre)))
+        j = min(n - 1, max(0, int((x - ORIGIN[0]) * per_metre)))
+        number = floor_map[i, j]
+        red, green, blue = paints[number, 0], paints[number, 1], paints[number, 2]
     elif texture > FIELD_MAP:
         scale = rects[q, 18] * TILE
         i, j = int(b * scale + BIAS) & (TILE - 1), int(a * scale + BIAS) & (TILE - 1)
-        for k in range(3):
-            paint[k] *= textures[texture - 1, i, j, k]
+        red *= textures[texture - 1, i, j, 0]
+        green *= textures[texture - 1, i, j, 1]
+        blue *= textures[texture - 1, i, j, 2]
     fine = grain[int(b * 90.0 + BIAS) & (TILE - 1), int(a * 90.0 + BIAS) & (TILE - 1)]
     wide = grain[int(b * 17.0 + BIAS) & (TILE - 1), int(a * 17.0 + BIAS) & (TILE - 1)]
-    dirt = max(np.float32(0.05), 1.0 + rects[q, 21] * (fine + 1.5 * wide))
-    for k in range(3):
-        paint[k] *= dirt
+    dirt = max(np.float32(0.05), np.float32(1.0 + rects[q, 21] * (fine + 1.5 * wide)))
+    return red * dirt, green * dirt, blue * dirt
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def on_ball(balls, q, x, y, z, pixel, panels, normal, paint):
-    """Normal and paint of a ball at a point: panels bulge, the seams between them are dark."""
-    nx, ny, nz = (x - balls[q, 0]) / RADIUS, (y - balls[q, 1]) / RADIUS, (z - balls[q, 2]) / RADIUS
-    normal[0], normal[1], normal[2] = nx, ny, nz
-    paint[0], paint[1], paint[2] = balls[q, 3], balls[q, 4], balls[q, 5]
+def seam(balls, q, nx, ny, nz, pixel, panels):
+    """How deep in a seam a ball's surface is (0 to 1), and which way the panel beside it lies."""
     blur = pixel / RADIUS
     if blur > 0.25:
-        return
+        return np.float32(0.0), nx, ny, nz
     mx = balls[q, 6] * nx + balls[q, 7] * ny + balls[q, 8] * nz
     my = balls[q, 9] * nx + balls[q, 10] * ny + balls[q, 11] * nz
     mz = balls[q, 12] * nx + balls[q, 13] * ny + balls[q, 14] * nz
@@ -402,41 +423,34 @@ def on_ball(balls, q, x, y, z, pixel, panels, normal, paint):
             best, second, at = here, best, k
         elif here > second:
             second = here
-    seam = (best - second) / (0.025 + blur)
-    if seam < 1.0:
-        depth = (1.0 - seam) * min(1.0, 0.025 / (0.015 + blur))
-        for k in range(3):
-            paint[k] *= 1.0 - 0.4 * depth
-            # The flank of a seam leans towards the neighbour: the highlight breaks there.
-            out = (
-                balls[q, 6 + k] * panels[at, 0]
-                + balls[q, 9 + k] * panels[at, 1]
-                + balls[q, 12 + k] * panels[at, 2]
-            )
-            normal[k] -= 0.18 * depth * out
-        size = sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
-        for k in range(3):
-            normal[k] /= size
+    near = 1.0 - (best - second) / (0.025 + blur)
+    depth = np.float32(max(0.0, near) * min(1.0, 0.025 / (0.015 + blur)))
+    px, py, pz = panels[at, 0], panels[at, 1], panels[at, 2]
+    ox = balls[q, 6] * px + balls[q, 9] * py + balls[q, 12] * pz
+    oy = balls[q, 7] * px + balls[q, 10] * py + balls[q, 13] * pz
+    oz = balls[q, 8] * px + balls[q, 11] * py + balls[q, 14] * pz
+    return depth, ox, oy, oz
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def on_upright(x, y, normal):
-    """Normal of an upright cylinder, at a point (from its axis)."""
-    size = sqrt(x * x + y * y) + np.float32(1e-9)
-    normal[0], normal[1], normal[2] = x / size, y / size, 0.0
+def highlight(mirrored):
+    """Phong's wide and narrow lobe, powers 8 and 32 of the mirrored look against the lamp."""
+    if mirrored <= 0.5:
+        return np.float32(0.0), np.float32(0.0)
+    wide = mirrored * mirrored
+    wide *= wide
+    wide *= wide
+    narrow = wide * wide
+    return wide, narrow * narrow
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def shade(
-    scene, rays, eye, depth, what, key, sky, textures, numbers, paints, resolution, origin,
-    grain, panels, focal, image,
-):  # fmt: skip
+def shade(scene, rays, eye, depth, what, key, sky, textures, floor_map, paints, grain, panels,
+          focal, image):  # fmt: skip
     """Paint times light, plus gloss, for every pixel."""
     h, w = depth.shape
     rects, balls, cages, pillars, lamps, ambient = scene
     n_rects, n_balls, n_cages = len(rects), len(balls), len(cages)
-    normal = np.empty(3, np.float32)
-    paint = np.empty(3, np.float32)
     for i in range(h):
         for j in range(w):
             q = what[i, j]
@@ -446,60 +460,60 @@ def shade(
             dx, dy, dz = rays[i, j, 0], rays[i, j, 1], rays[i, j, 2]
             t = depth[i, j]
             x, y, z = eye[0] + t * dx, eye[1] + t * dy, eye[2] + t * dz
-            gloss, sheen = np.float32(0.0), np.float32(0.0)
+            sheen = np.float32(0.0)
             if q < n_rects:
-                on_rect(
-                    rects, q, x, y, z, textures, numbers, paints, resolution, origin, grain,
-                    normal, paint,
+                nx, ny, nz = rects[q, 9], rects[q, 10], rects[q, 11]
+                red, green, blue = on_rect(
+                    rects, q, x, y, z, textures, floor_map, paints, grain
                 )  # fmt: skip
                 gloss = rects[q, 22]
             elif q < n_rects + n_balls:
-                on_ball(balls, q - n_rects, x, y, z, t / focal, panels, normal, paint)
+                q -= n_rects
+                nx, ny, nz = x - balls[q, 0], y - balls[q, 1], z - balls[q, 2]
+                nx, ny, nz = nx / RADIUS_32, ny / RADIUS_32, nz / RADIUS_32
+                deep, ox, oy, oz = seam(balls, q, nx, ny, nz, t / focal, panels)
+                # The flank of a seam leans to the neighbour: there the highlight breaks.
+                lean = FLANK * deep
+                nx, ny, nz = nx - lean * ox, ny - lean * oy, nz - lean * oz
+                dark = np.float32(1.0) - SEAM * deep
+                red, green, blue = balls[q, 3] * dark, balls[q, 4] * dark, balls[q, 5] * dark
                 gloss, sheen = np.float32(0.35), np.float32(0.5)
             elif q < n_rects + n_balls + n_cages:
                 q -= n_rects + n_balls
-                on_upright(x - cages[q, 0], y - cages[q, 1], normal)
+                nx, ny, nz = x - cages[q, 0], y - cages[q, 1], np.float32(0.0)
                 feet = cages[q, 3] > FOOT and z - cages[q, 2] < FOOT
                 dark = np.float32(0.03) if feet else np.float32(1.0)
-                for k in range(3):
-                    paint[k] = cages[q, 11 + k] * dark
+                red, green, blue = cages[q, 11] * dark, cages[q, 12] * dark, cages[q, 13] * dark
                 gloss = np.float32(0.1)
             else:
                 q -= n_rects + n_balls + n_cages
-                on_upright(x - pillars[q, 0], y - pillars[q, 1], normal)
-                for k in range(3):
-                    paint[k] = pillars[q, 5 + k]
+                nx, ny, nz = x - pillars[q, 0], y - pillars[q, 1], np.float32(0.0)
+                red, green, blue = pillars[q, 5], pillars[q, 6], pillars[q, 7]
                 gloss = np.float32(0.08)
-            facing = normal[0] * dx + normal[1] * dy + normal[2] * dz
+            facing = nx * dx + ny * dy + nz * dz
+            size = sqrt(nx * nx + ny * ny + nz * nz) + np.float32(1e-9)
             if facing > 0.0:
-                for k in range(3):
-                    normal[k] = -normal[k]
-                facing = -facing
-            size = sqrt(dx * dx + dy * dy + dz * dz)
-            ao = sky[i, j] * (0.85 + 0.15 * normal[2])
-            for k in range(3):
-                image[i, j, k] = paint[k] * ambient[k] * ao
+                size = -size
+            nx, ny, nz, facing = nx / size, ny / size, nz / size, facing / size
+            far = sqrt(dx * dx + dy * dy + dz * dz)
+            around = sky[i, j] * (UPRIGHT + (1 - UPRIGHT) * nz)
+            r, g, b = (
+                red * ambient[0] * around,
+                green * ambient[1] * around,
+                blue * ambient[2] * around,
+            )
             for lamp in range(len(lamps)):
-                lit = key[i, j] if lamp == 0 else sky[i, j]
                 lx, ly, lz = lamps[lamp, 0], lamps[lamp, 1], lamps[lamp, 2]
-                falls = normal[0] * lx + normal[1] * ly + normal[2] * lz
+                falls = nx * lx + ny * ly + nz * lz
                 if falls <= 0.0:
                     continue
-                # The look mirrored at the surface, against the lamp: Phong's highlight.
-                mirrored = (dx * lx + dy * ly + dz * lz - 2.0 * facing * falls) / size
-                wide, narrow = np.float32(0.0), np.float32(0.0)
-                if mirrored > 0.5:
-                    m2 = mirrored * mirrored
-                    m4 = m2 * m2
-                    wide = m4 * m4
-                    narrow = wide * wide
-                    narrow *= narrow
-                    narrow *= narrow
-                for k in range(3):
-                    light = lamps[lamp, 3 + k] * lit
-                    image[i, j, k] += light * (
-                        paint[k] * (falls + sheen * wide) + gloss * (narrow + 0.08 * wide)
-                    )
+                wide, narrow = highlight((dx * lx + dy * ly + dz * lz - 2 * facing * falls) / far)
+                lit = key[i, j] if lamp == 0 else sky[i, j]
+                matt, shine = lit * (falls + sheen * wide), lit * gloss * (narrow + VEIL * wide)
+                r += lamps[lamp, 3] * (red * matt + shine)
+                g += lamps[lamp, 4] * (green * matt + shine)
+                b += lamps[lamp, 5] * (blue * matt + shine)
+            image[i, j, 0], image[i, j, 1], image[i, j, 2] = r, g, b
 
 
 @njit(cache=True, error_model="numpy")

@@ -111,7 +111,7 @@ def wall_texture(rng: np.random.Generator) -> NDArray[np.uint8]:
     """Panels with joints, concrete, bricks, or a jumble of things; sRGB."""
     base = hsv(rng.uniform(0, 360), rng.uniform(0.0, 0.15), rng.uniform(0.2, 0.9))
     rough = np.roll(grain(), tuple(rng.integers(0, TILE, 2)), (0, 1))[..., None]
-    tile = _bytes(base * (1.0 + 0.08 * rough))
+    tile = _bytes(base.astype(np.float32) * (1.0 + 0.08 * rough))
     style = rng.integers(0, 4)
     joint = _bytes(base * rng.choice([0.5, 0.75, 1.4, 1.8])).tolist()
     if style == 0:
@@ -129,7 +129,11 @@ def wall_texture(rng: np.random.Generator) -> NDArray[np.uint8]:
 
 
 def _bytes(colour: FloatArray) -> NDArray[np.uint8]:
-    return np.clip(colour * 255.0, 0, 255).astype(np.uint8)
+    return (
+        cv2.convertScaleAbs(colour, alpha=255.0)
+        if colour.ndim == 3
+        else np.uint8(np.clip(colour * 255.0, 0, 255))
+    )
 
 
 def clutter(tile: NDArray[np.uint8], rng: np.random.Generator, count: int) -> None:
@@ -156,7 +160,7 @@ def plank_texture(rng: np.random.Generator) -> NDArray[np.uint8]:
     """Wood, plywood or cardboard: grain drawn out along one side; sRGB."""
     base = hsv(rng.uniform(25, 42), rng.uniform(0.15, 0.5), rng.uniform(0.5, 0.9))
     lines = cv2.blur(np.roll(grain(), int(rng.integers(TILE)), 0), (63, 1))
-    return _bytes(base * (1.0 + 0.25 * lines[..., None]))
+    return _bytes(base.astype(np.float32) * (1.0 + 0.25 * lines[..., None]))
 
 
 # --- venues ---------------------------------------------------------------------------------------
