@@ -70,8 +70,9 @@ def test_a_ball_hidden_but_for_a_sliver_gets_no_box():
 def test_rings_in_front_of_a_ball_leave_its_box_as_it_is():
     rng, T = np.random.default_rng(3), view_towards((0.0, 0.0, 0.4), (1.2, 0.0, 0.25))
     scene = bare_room()
-    venue.add_silo(scene, rng, (1.2, 0.0, 0.0), "RBR", SILOS.index("RBR"), None)
+    venue.add_silo(scene, rng, (1.2, 0.0, 0.0), SILOS.index("RBR"), venue.silo_make(rng))
     behind = photograph(scene, T)
+    assert scene.cages
     scene.cages.clear()
     np.testing.assert_allclose(behind.boxes, photograph(scene, T).boxes, atol=4.0)
     assert behind.class_ids.tolist() == [2, 0, 2]
@@ -80,7 +81,7 @@ def test_rings_in_front_of_a_ball_leave_its_box_as_it_is():
 def test_the_box_of_a_silo_holds_the_boxes_of_its_balls():
     rng, T = np.random.default_rng(3), view_towards((0.0, 0.0, 0.4), (1.2, 0.0, 0.25))
     scene = bare_room()
-    venue.add_silo(scene, rng, (1.2, 0.0, 0.0), "RBR", SILOS.index("RBR"), None)
+    venue.add_silo(scene, rng, (1.2, 0.0, 0.0), SILOS.index("RBR"), venue.silo_make(rng))
     silo, balls = photograph(scene, T, "silo"), photograph(scene, T)
     assert silo.class_ids.tolist() == [SILOS.index("RBR")]
     assert (silo.boxes[0, :2] <= balls.boxes[:, :2]).all()
@@ -89,7 +90,7 @@ def test_the_box_of_a_silo_holds_the_boxes_of_its_balls():
 
 def test_a_silo_whose_top_the_border_cuts_off_is_not_named():
     rng, scene = np.random.default_rng(3), bare_room()
-    venue.add_silo(scene, rng, (1.0, 0.0, 0.0), "RBR", SILOS.index("RBR"), None)
+    venue.add_silo(scene, rng, (1.0, 0.0, 0.0), SILOS.index("RBR"), venue.silo_make(rng))
     T = view_towards((0.3, 0.0, 0.2), (1.0, 0.0, -0.25))
     assert len(photograph(scene, T, "silo").boxes) == 0
 

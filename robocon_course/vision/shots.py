@@ -162,11 +162,10 @@ def _field_things(scene: Scene, rng: np.random.Generator, near: tuple[float, flo
 
 def _fill_silos(scene: Scene, rng: np.random.Generator) -> None:
     """Five silos, each filling as likely as any other."""
-    make = None
+    make = venue.silo_make(rng)
     for x, y in field.SILOS:
         label = int(rng.integers(len(SILOS)))
-        filling = SILOS[label] if label else ""
-        make = venue.add_silo(scene, rng, (x, y, field.SILO_ZONE.height), filling, label, make)
+        venue.add_silo(scene, rng, (x, y, field.SILO_ZONE.height), label, make)
 
 
 def _silos(rng: np.random.Generator):
@@ -192,11 +191,10 @@ def _one_silo(rng: np.random.Generator):
 def _silo_anywhere(rng: np.random.Generator):
     """A silo or two on some floor, before the field was built."""
     scene = venue.workshop(rng)
-    make = None
+    make = venue.silo_make(rng)
     for k in range(int(rng.integers(1, 4))):
-        label = int(rng.integers(len(SILOS)))
         at = (0.45 * k + rng.normal(0, 0.05), rng.normal(0, 0.1), 0.0)
-        make = venue.add_silo(scene, rng, at, SILOS[label] if label else "", label, make)
+        venue.add_silo(scene, rng, at, int(rng.integers(len(SILOS))), make)
     return scene, np.array([0.2, 0.0, 0.25]), (0.6, 2.5)
 
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from robocon_course import field
 from robocon_course._arrays import FloatArray
+from robocon_course.vision.classes import BALLS, SILOS
 from robocon_course.vision.render import TILE
 from robocon_course.vision.scene import (
-    CAGE_RADIUS,
     FIELD_MAP,
     RADIUS,
     Cage,
@@ -319,37 +319,33 @@ def workshop(rng: np.random.Generator) -> Scene:
 # --- silos and balls ------------------------------------------------------------------------------
 
 
-def add_silo(
-    scene: Scene, rng: np.random.Generator, foot: tuple, filling: str, label: int, make: Cage | None
-) -> Cage:
-    """A silo with its balls; `make` gives the make of the cage (all five of a field are alike)."""
-    if make is None:
-        top = rng.uniform(0.395, 0.44)
-        spacing = rng.uniform(0.105, 0.14)
-        rings = top - spacing * np.array([3.0, 2.0, 1.0, 0.0])
-        white = hsv(rng.uniform(0, 360), rng.uniform(0, 0.08), rng.uniform(0.85, 1.0))
-        make = Cage(
-            np.zeros(3), np.maximum(rings, 0.008), rng.uniform(0.009, 0.026),
-            rng.uniform(0.008, 0.018), int(rng.integers(3, 6)), 0.0, white, 0,
-        )  # fmt: skip
-    cage = make._replace(foot=np.array(foot), turn=rng.uniform(0, 2 * np.pi), filling=label)
-    scene.cages.append(cage)
-    names = {"B": "blue", "R": "red"}
-    for middle, ball in zip(stack(rng, len(filling)), filling, strict=True):
-        paint = scene_paint(scene, rng, names[ball])
+def silo_make(rng: np.random.Generator) -> Cage:
+    """How the silos of one field are built; all five are alike."""
+    top = rng.uniform(0.395, 0.44)
+    rings = top - rng.uniform(0.105, 0.14) * np.array([3.0, 2.0, 1.0, 0.0])
+    white = hsv(rng.uniform(0, 360), rng.uniform(0, 0.08), rng.uniform(0.85, 1.0))
+    return Cage(
+        np.zeros(3), np.maximum(rings, 0.008), rng.uniform(0.009, 0.026),
+        rng.uniform(0.008, 0.018), int(rng.integers(3, 6)), 0.0, white, 0,
+    )  # fmt: skip
+
+
+def add_silo(scene: Scene, rng: np.random.Generator, foot: tuple, label: int, make: Cage) -> None:
+    """A silo of a make, with the balls of the filling `SILOS[label]`."""
+    turn = rng.uniform(0, 2 * np.pi)
+    scene.cages.append(make._replace(foot=np.array(foot), turn=turn, filling=label))
+    balls = "" if label == 0 else SILOS[label]
+    for middle, letter in zip(stack(rng, len(balls)), balls, strict=True):
+        name = {"B": "blue", "R": "red"}[letter]
+        paint = scene_paint(scene, rng, name)
         at = np.array(foot) + middle
-        number = {"blue": 0, "purple": 1, "red": 2}[names[ball]]
-        scene.add_ball(at, paint, number, rotation(rng), cage=len(scene.cages) - 1)
-    return make
+        scene.add_ball(at, paint, BALLS.index(name), rotation(rng), cage=len(scene.cages) - 1)
 
 
 def scene_paint(scene: Scene, rng: np.random.Generator, name: str) -> FloatArray:
     """The paint of one more ball: near that of its brothers in the scene, if there are any."""
-    number = ("blue", "purple", "red").index(name)
+    number = BALLS.index(name)
     for ball in scene.balls:
         if ball.label == number:
             return np.clip(ball.colour * rng.normal(1.0, 0.04), 0, 1)
     return ball_colour(name, rng)
-
-
-__all__ = ["CAGE_RADIUS", "add_silo", "field_hall", "field_map", "workshop"]
