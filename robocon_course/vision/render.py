@@ -401,9 +401,8 @@ def on_rect(rects, q, x, y, z, textures, floor_map, paints, grain):
         red *= textures[texture - 1, i, j, 0]
         green *= textures[texture - 1, i, j, 1]
         blue *= textures[texture - 1, i, j, 2]
-    fine = grain[int(b * 90.0 + BIAS) & (TILE - 1), int(a * 90.0 + BIAS) & (TILE - 1)]
-    wide = grain[int(b * 17.0 + BIAS) & (TILE - 1), int(a * 17.0 + BIAS) & (TILE - 1)]
-    dirt = max(np.float32(0.05), np.float32(1.0 + rects[q, 21] * (fine + 1.5 * wide)))
+    spot = grain[int(b * 90.0 + BIAS) & (TILE - 1), int(a * 90.0 + BIAS) & (TILE - 1)]
+    dirt = max(np.float32(0.05), 1 + rects[q, 21] * spot)
     return red * dirt, green * dirt, blue * dirt
 
 

@@ -52,7 +52,10 @@ def grain() -> NDArray[np.float32]:
     total = np.zeros((TILE, TILE), np.float32)
     for cells in (4, 16, 64, 256):
         noise = rng.normal(size=(cells, cells)).astype(np.float32)
-        total += cv2.resize(noise, (TILE, TILE), interpolation=cv2.INTER_LINEAR) / 2.0
+        wrapped = np.pad(noise, 1, mode="wrap")
+        step = TILE // cells
+        large = cv2.resize(wrapped, None, fx=step, fy=step, interpolation=cv2.INTER_CUBIC)
+        total += large[step : step + TILE, step : step + TILE]
     return total
 
 
