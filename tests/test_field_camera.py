@@ -17,7 +17,9 @@ POST = (4.2, 9.98, 0.0)
 
 def test_the_pile_is_seen_from_the_slope_with_every_ball_in_its_colour():
     names = ["red"] * 6 + ["purple"] * 10
-    balls = [((x, y, 0.15 + 0.095), name) for (x, y), name in zip(field.PILE_BALLS, names)]
+    balls = [
+        ((x, y, 0.15 + 0.095), name) for (x, y), name in zip(field.PILE_BALLS, names, strict=True)
+    ]
     taken = FieldCamera(3).look((3.4, 10.0, pi), tilt=0.15, balls=balls)
     found = np.bincount(taken.class_ids, minlength=3)
     assert found[0] == 0 and found[1] <= 10 and found[2] <= 6 and found.sum() >= 10

@@ -1,0 +1,344 @@
+"""From a picture to boxes: run a trained network, read its output, keep one box a thing.
+
+``load_detector("ball").detect(image_bgr)`` does all of it. The network runs in onnxruntime; what
+goes in (`letterbox`) and what comes out (`decode`, `non_max_suppression`) is written here in numpy.
+
+Boxes are (left, top, right, bottom) in pixels of the picture, from its upper left corner.
+
+Source: YOLOv8's head without anchors; letterbox, thresholds and rounding as in Ultralytics 8.4, so
+that both give the same boxes. Thresholds 0.4 and 0.6: swerve robot of Yogyakarta State University.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robocon_course import files
+from robocon_course._arrays import CourseError, FloatArray
+from robocon_course.vision.classes import CLASSES, MIN_SCORE
+from robocon_course.vision.metrics import box_iou
+
+MAX_IOU = 0.7
+"""Two boxes of one class that share more than this are one thing seen twice."""
+MOST = 300
+"""How many boxes of one picture are kept at most."""
+GREY = 114
+"""What the letterbox is filled with."""
+LARGEST_FILE = 13_000_000
+"""Weights larger than this are not ours [bytes]."""
+
+
+class WeightsError(CourseError):
+    """A file of weights that is missing, damaged, or not of a network the course can run."""
+
+
+class Detections(NamedTuple):
+    """What was found in a picture, the surest first.
+
+    Attributes
+    ----------
+    boxes : ndarray of float32, shape (n, 4)  [pixels]
+        Left, top, right, bottom.
+    scores : ndarray of float32, shape (n,)
+        How sure, 0 to 1.
+    class_ids : ndarray of int64, shape (n,)
+        By the order of `Detector.names`.
+    """
+
+    boxes: NDArray[np.float32]
+    scores: NDArray[np.float32]
+    class_ids: NDArray[np.int64]
+
+
+def letterbox(
+    image_bgr: NDArray[np.uint8], size: int = 320
+) -> tuple[NDArray[np.float32], float, tuple[int, int]]:
+    """A picture of any shape as the square that a network takes, with grey bars beside it.
+
+    Parameters
+    ----------
+    image_bgr : ndarray of uint8, shape (h, w, 3)
+    size : int  [pixels]
+
+    Returns
+    -------
+    tensor : ndarray of float32, shape (1, 3, size, size)
+        Red, green, blue planes, 0 to 1.
+    scale : float
+        Pixels of the square per pixel of the picture.
+    shift : (int, int)  [pixels of the square]
+        Where the picture's left and upper edge lie.
+    """
+    import cv2
+
+    height, width = image_bgr.shape[:2]
+    scale = min(size / height, size / width)
+    inner = max(1, round(width * scale)), max(1, round(height * scale))
+    if inner != (width, height):
+        image_bgr = cv2.resize(image_bgr, inner, interpolation=cv2.INTER_LINEAR)
+    left, top = (round((size - side) / 2 - 0.1) for side in inner)
+    square = np.full((size, size, 3), GREY, np.uint8)
+    square[top : top + inner[1], left : left + inner[0]] = image_bgr
+    return cv2.dnn.blobFromImage(square, 1 / 255.0, swapRB=True), scale, (left, top)
+
+
+def decode(
+    output: FloatArray, min_score: float
+) -> tuple[FloatArray, FloatArray, NDArray[np.int64]]:
+    """The network's numbers as boxes, scores and classes; still several boxes a thing.
+
+    Parameters
+    ----------
+    output : ndarray, shape (4 + classes, n)
+        A column for each of n places in the picture: middle x and y, width, height [pixels], and
+        the score of each class.
+    min_score : float
+        A column counts if its best class scores more.
+
+    Returns
+    -------
+    boxes : ndarray, shape (k, 4)
+        Left, top, right, bottom [pixels].
+    scores : ndarray, shape (k,)
+    class_ids : ndarray of int64, shape (k,)
+    """
+    columns = output[:, output[4:].max(axis=0) > min_score].T
+    middle, half = columns[:, :2], columns[:, 2:4] / 2
+    boxes = np.hstack([middle - half, middle + half])
+    return boxes, columns[:, 4:].max(axis=1), columns[:, 4:].argmax(axis=1)
+
+
+def non_max_suppression(
+    boxes: FloatArray,
+    scores: FloatArray,
+    class_ids: NDArray[np.int64],
+    max_iou: float = MAX_IOU,
+) -> NDArray[np.int64]:
+    """Which boxes to keep: of those that overlap in one class, only the surest.
+
+    Parameters
+    ----------
+    boxes : ndarray, shape (n, 4)
+    scores : ndarray, shape (n,)
+    class_ids : ndarray, shape (n,)
+    max_iou : float
+        A box that shares more than this with a surer one of its class is dropped.
+
+    Returns
+    -------
+    ndarray of int64, shape (k,)
+        Indices of the kept boxes, the surest first; of equal scores the earlier one.
+    """
+    left = np.argsort(-np.asarray(scores), kind="stable")
+    boxes, class_ids = np.asarray(boxes), np.asarray(class_ids)
+    kept = []
+    while len(left):
+        best, left = left[0], left[1:]
+        kept.append(best)
+        overlap = box_iou(boxes[[best]], boxes[left])[0]
+        left = left[(class_ids[left] != class_ids[best]) | (overlap <= max_iou)]
+    return np.array(kept, np.int64)
+
+
+class Detector:
+    """A trained network, ready to look at pictures. Made by `load_detector`.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The classes, by their number.
+    min_score : float
+        Lowest score that counts when `detect` is given none.
+    size : int  [pixels]
+        Side of the square that the network looks at.
+    """
+
+    def __init__(
+        self,
+        session: Any,
+        names: tuple[str, ...],
+        min_score: float,
+        *,
+        decode: Callable = decode,
+        suppress: Callable = non_max_suppression,
+    ) -> None:
+        self.names, self.min_score = names, min_score
+        self.size = int(session.get_inputs()[0].shape[2])
+        self._session, self._input = session, session.get_inputs()[0].name
+        self._decode, self._suppress = decode, suppress
+
+    def with_parts(self, decode: Callable, suppress: Callable) -> Detector:
+        """The same network, read by other functions in place of `decode` and its suppression."""
+        return Detector(self._session, self.names, self.min_score, decode=decode, suppress=suppress)
+
+    def detect(self, image_bgr: NDArray[np.uint8], *, min_score: float | None = None) -> Detections:
+        """What is in a picture.
+
+        Parameters
+        ----------
+        image_bgr : ndarray of uint8, shape (h, w, 3), (h, w, 4) or (h, w)
+            Blue, green, red, as OpenCV reads it. A fourth channel is dropped, a grey picture is
+            taken as one with three equal channels. Any size: it is fitted into the network's
+            square, so a ball that is small in a large picture becomes smaller still.
+        min_score : float, optional
+            Lowest score that counts, 0 to 1; left out, it is `min_score` of the detector.
+
+        Returns
+        -------
+        Detections
+            Boxes inside the picture, the surest first; empty arrays where nothing is found.
+
+        Raises
+        ------
+        ValueError
+            Not a picture of bytes, one without pixels, or a score outside 0 to 1.
+        """
+        image_bgr = as_picture(image_bgr)
+        if min_score is None:
+            min_score = self.min_score
+        elif not 0.0 <= float(min_score) <= 1.0:
+            raise ValueError(f"min_score: expected a number from 0 to 1, got {min_score!r}")
+        tensor, scale, shift = letterbox(image_bgr, self.size)
+        output = self._session.run(None, {self._input: tensor})[0][0]
+        boxes, scores, class_ids = self._decode(output, min_score)
+        kept = np.asarray(self._suppress(boxes, scores, class_ids, MAX_IOU), int)[:MOST]
+        boxes = (np.asarray(boxes)[kept].reshape(-1, 4) - (*shift, *shift)) / scale
+        height, width = image_bgr.shape[:2]
+        return Detections(
+            np.clip(boxes, 0, (width, height, width, height)).astype(np.float32),
+            np.asarray(scores, np.float32)[kept],
+            np.asarray(class_ids, np.int64)[kept],
+        )
+
+
+def as_picture(image: Any) -> NDArray[np.uint8]:
+    """A picture as (h, w, 3) bytes; see `Detector.detect` for what passes.
+
+    Raises
+    ------
+    ValueError
+        Not a picture of bytes, or one without pixels.
+    """
+    if not isinstance(image, np.ndarray):
+        raise ValueError(
+            f"image_bgr: expected an array as cv2.imread returns it, got {type(image).__name__}"
+            + ("; does the file exist?" if image is None else "")
+        )
+    if image.dtype != np.uint8:
+        more = " (divide by 257 and make it uint8)" if image.dtype == np.uint16 else ""
+        raise ValueError(f"image_bgr: expected bytes (uint8), got {image.dtype}{more}")
+    if image.ndim == 2:
+        image = np.repeat(image[..., None], 3, axis=2)
+    if image.ndim != 3 or image.shape[2] not in (3, 4) or image.size == 0:
+        raise ValueError(
+            f"image_bgr: expected shape (height, width, 3), no side of 0, got {image.shape}"
+        )
+    return np.ascontiguousarray(image[..., :3])
+
+
+# --- weights --------------------------------------------------------------------------------------
+
+
+def load_detector(weights: str | Path) -> Detector:
+    """A detector, ready to use.
+
+    Parameters
+    ----------
+    weights : {"ball", "silo"} or path
+        One of the course's own networks, or an .onnx file of your own training.
+
+    Returns
+    -------
+    Detector
+
+    Raises
+    ------
+    WeightsError
+        A file that is missing, empty, cut short or altered (the course's own are compared with
+        their SHA-256 before anything reads them), or no network with boxes and classes.
+    """
+    if str(weights) in CLASSES:
+        return _shipped(str(weights))
+    return _open(_read(Path(weights)), Path(weights))
+
+
+@cache
+def _shipped(kind: str) -> Detector:
+    """One of the course's own networks, opened once."""
+    try:
+        path = files.data_file(f"weights/{kind}.onnx")
+        listed = files.data_file("weights/SHA256SUMS").read_text(encoding="ascii")
+    except FileNotFoundError as error:
+        raise WeightsError(str(error)) from None
+    sums = {name.lstrip("*"): digest for digest, name in map(str.split, listed.splitlines())}
+    data = _read(path)
+    found = hashlib.sha256(data).hexdigest()
+    if sums.get(path.name) != found:
+        raise WeightsError(
+            f"{path.name} is not the file the course came with (SHA-256 {found[:12]}…, expected "
+            f"{sums.get(path.name, 'none')[:12]}…); install the course again"
+        )
+    detector = _open(data, path)
+    if detector.names != CLASSES[kind]:
+        raise WeightsError(f"{path.name}: its classes are not those of {kind!r}")
+    detector.min_score = MIN_SCORE[kind]
+    return detector
+
+
+def _read(path: Path) -> bytes:
+    """The bytes of a file of weights."""
+    try:
+        size = path.stat().st_size
+        if size > LARGEST_FILE:
+            raise WeightsError(f"{path.name}: {size / 1e6:.0f} MB; at most 13 MB are read")
+        data = path.read_bytes()
+    except OSError as error:
+        raise WeightsError(f"{path.name}: cannot be read ({error.strerror})") from None
+    if not data:
+        raise WeightsError(f"{path.name}: the file is empty; export it again")
+    return data
+
+
+def _open(data: bytes, path: Path) -> Detector:
+    """A network from its bytes, its classes from the note in them."""
+    import onnxruntime
+
+    options = onnxruntime.SessionOptions()
+    options.log_severity_level = 4
+    try:
+        session = onnxruntime.InferenceSession(data, options, providers=["CPUExecutionProvider"])
+        noted = session.get_modelmeta().custom_metadata_map.get("names", "{}")
+        names = ast.literal_eval(noted)
+        names = tuple(str(names[k]) for k in sorted(names))
+        takes, gives = session.get_inputs()[0].shape, session.get_outputs()[0].shape
+    except Exception as error:  # onnxruntime raises a class of its own for each of its reasons
+        reason = str(error).splitlines()[0][:120]
+        raise WeightsError(f"{path.name}: not a network that can be opened ({reason})") from None
+    square = takes[:2] == [1, 3] and takes[2] == takes[3] and isinstance(takes[2], int)
+    if not (square and len(gives) == 3 and names and gives[:2] == [1, 4 + len(names)]):
+        raise WeightsError(
+            f"{path.name}: takes {takes} and gives {gives} for {len(names)} classes; expected "
+            "[1, 3, s, s] and [1, 4 + classes, n], as `robocon train` exports it"
+        )
+    kind = next((k for k, known in CLASSES.items() if known == names), None)
+    return Detector(session, names, MIN_SCORE.get(kind, 0.25))
+
+
+__all__ = [
+    "Detections",
+    "Detector",
+    "WeightsError",
+    "as_picture",
+    "decode",
+    "letterbox",
+    "load_detector",
+    "non_max_suppression",
+]
