@@ -51,7 +51,7 @@ def started(monkeypatch) -> list[list[str]]:
         commands.append(command)
         return SimpleNamespace(returncode=0, stdout=b"")
 
-    monkeypatch.setattr(cli.subprocess, "run", run)
+    monkeypatch.setattr(cli.course.subprocess, "run", run)
     return commands
 
 
@@ -168,7 +168,7 @@ def test_lab_never_overwrites_and_fills_up_what_is_missing(started, elsewhere):
 
 
 def test_lab_hands_on_how_jupyter_ended(monkeypatch):
-    monkeypatch.setattr(cli.subprocess, "run", lambda command: SimpleNamespace(returncode=3))
+    monkeypatch.setattr(cli.course.subprocess, "run", lambda command: SimpleNamespace(returncode=3))
     assert robocon("lab")[0] == 3
 
 

@@ -37,11 +37,10 @@ _PAINTS = (
 @cache
 def field_map() -> NDArray[np.uint8]:
     """Which paint lies in each cell of the field, by number; row 0 at the smallest y."""
-    pixels = field.picture(MAP_RESOLUTION).astype(np.int32)
-    code = pixels @ np.array([65536, 256, 1])
-    numbers = np.zeros(code.shape, np.uint8)
+    pixels = field.picture(MAP_RESOLUTION)
+    numbers = np.zeros(pixels.shape[:2], np.uint8)
     for k, paint in enumerate(_PAINTS):
-        numbers[code == np.array(paint) @ np.array([65536, 256, 1])] = k
+        numbers[(pixels == np.array(paint, np.uint8)).all(axis=2)] = k
     return numbers
 
 

@@ -1,83 +1,19 @@
-"""The command ``robocon``. Exit codes: 0 fine, 1 wrong answers or drift, 2 unusable input."""
+"""Commands around lessons and marks: lab, doctor, build, check, grade, reset, status."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from robocon_course import field, files
+from robocon_course import files
 from robocon_course._arrays import CourseError
-
-WRONG, UNUSABLE = 1, 2
-
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode="rich",
-    help="Build a competition robot's autonomy, chapter by chapter.\n\n"
-    "Students start with [bold]robocon lab[/bold]; if anything is odd, [bold]robocon doctor[/bold] "
-    "says what and how to mend it.\n\n"
-    "Exit codes: 0 fine, 1 wrong answers or drift, 2 unusable input.",
-)
-console = Console(highlight=False)
-
-
-@app.callback()
-def _any_terminal() -> None:
-    """Let a terminal or a pipe without our signs (✔, °) show "?" instead of ending in an error."""
-    for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors="replace")
-
-
-@contextmanager
-def _refusals() -> Iterator[None]:
-    """Turn the course's own refusals into one sentence and exit code 2."""
-    try:
-        yield
-    except ModuleNotFoundError as error:
-        _say(f'this needs {error.name}: pip install -e ".[instructor]"')
-        raise typer.Exit(UNUSABLE) from None
-    except (CourseError, ValueError, OSError) as error:
-        _say(str(error))
-        raise typer.Exit(UNUSABLE) from None
-
-
-def _say(sentence: str) -> None:
-    err = Console(stderr=True, highlight=False, soft_wrap=True)
-    err.print(f"[bold]robocon:[/bold] {escape(sentence)}")
-
-
-@contextmanager
-def _progress(title: str, total: int) -> Iterator[Callable[[str], None]]:
-    """A progress bar; the function it hands out counts one and names what is done."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=total)
-        yield lambda done: bar.update(task, advance=1, description=escape(f"{title}: {done}"))
-
-
-@contextmanager
-def _shares(title: str) -> Iterator[Callable[[float], None]]:
-    """A progress bar for what has no parts to count; the function it hands out takes a share."""
-    columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=1.0)
-        yield lambda share: bar.update(task, completed=share)
+from robocon_course.cli.terminal import WRONG, app, console, progress, refusals
 
 
 @app.command()
@@ -92,7 +28,7 @@ def lab(
     In a checkout this opens notebooks/. Elsewhere it makes a workspace with every lesson and
     opens that; a notebook that is there already stays as it is.
     """
-    with _refusals():
+    with refusals():
         from robocon_course import desk
 
         workspace = desk.prepare(folder)
@@ -142,7 +78,7 @@ def build(
     """
     from robocon_course import lessons
 
-    with _refusals():
+    with refusals():
         if not files.in_checkout():
             raise CourseError("there are no lesson sources here; build runs in a checkout")
         folder = files.CHECKOUT / "solutions"
@@ -150,7 +86,7 @@ def build(
         if not sources:
             raise CourseError(f"no lesson source {only or ''} in {folder}")
         problems: list[str] = []
-        with _progress("comparing" if check else "building", len(sources)) as done:
+        with progress("comparing" if check else "building", len(sources)) as done:
             for path in sources:
                 problems += lessons.build_lesson(path, check=check)
                 done(path.stem)
@@ -171,7 +107,7 @@ def check(
     """
     from robocon_course.grading.batch import grade_one
 
-    with _refusals():
+    with refusals():
         if not file.exists():
             raise CourseError(f"there is no file {file}")
         with console.status("judging …"):
@@ -201,7 +137,7 @@ def grade(
     from robocon_course.grading.batch import grade_all, write_csv
     from robocon_course.grading.submission import find_submissions
 
-    with _refusals():
+    with refusals():
         if not folder.is_dir():
             raise CourseError(f"{folder} is not a folder")
         paths = find_submissions(folder)
@@ -209,7 +145,7 @@ def grade(
             raise CourseError(f"{folder} holds no notebook and no folder")
         if not csv.absolute().parent.is_dir():  # found out now, not after an hour of grading
             raise CourseError(f"there is no folder {csv.absolute().parent} to write the table to")
-        with _progress("grading", len(paths)) as done:
+        with progress("grading", len(paths)) as done:
             rows = grade_all(
                 paths, time_limit=time_limit, jobs=jobs, on_row=lambda row: done(row.name)
             )
@@ -238,7 +174,7 @@ def reset(
     """
     from robocon_course import desk
 
-    with _refusals():
+    with refusals():
         if (number is None) == (part is None):
             raise CourseError("give a lesson (robocon reset 01) or a part (--part imu.mahony_step)")
         message = desk.reset_lesson(number) if number else desk.reset_part(str(part), version)
@@ -252,91 +188,6 @@ def status() -> None:
     from robocon_course.exercises.notebook import status_lines
     from robocon_course.exercises.workspace import Workspace
 
-    with _refusals():
+    with refusals():
         for line in status_lines(Workspace(desk.find())):
             console.print(escape(line), soft_wrap=True)
-
-
-@app.command()
-def drive(
-    goal: Annotated[
-        tuple[float, float], typer.Option(help="x and y on the field [m].")
-    ] = field.AREA_3_GOAL,
-    parts: Annotated[
-        str, typer.Option(help="mixed: your accepted parts and the course's; mine; reference.")
-    ] = "mixed",
-    kind: Annotated[
-        str, typer.Option(help="ideal, noisy or degraded: how kind the world is.")
-    ] = "noisy",
-    student: Annotated[
-        str | None, typer.Option(help="Whose robot; default your own student number.")
-    ] = None,
-    gif: Annotated[Path | None, typer.Option(help="File for an animation of the drive.")] = None,
-) -> None:
-    """Let the simulated robot plan its way from the start to a goal, and drive it by itself.
-
-    It has nothing but its own sensors. Exit code 0 if it arrives without touching anything, 1 if
-    not, 2 if no way leads there.
-    """
-    with _refusals():
-        from robocon_course import desk, worlds
-        from robocon_course.simulator import warm_up
-
-        if gif is not None and not gif.absolute().parent.is_dir():
-            raise CourseError(f"there is no folder {gif.absolute().parent} to write the film to")
-        own, number = desk.own_parts(parts)
-        whose = number if student is None else worlds.student_number(student)
-        console.print(f"Robot of student {whose}, parts: {escape(own.label)}")
-        warm_up(console.print)
-        with _shares("driving") as share:
-            run = worlds.field_drive(whose, own, goal, kind=kind, on_time=share)
-        if gif is not None:
-            from robocon_course.view import animate
-
-            film = animate(
-                run.time,
-                {run.parts: run.poses},
-                angles=run.module_angles,
-                speeds=run.module_speeds,
-                markers={"goal": goal},
-            )
-            gif.write_bytes(film.gif)
-    for line in run.lines:
-        console.print(escape(line), soft_wrap=True)
-    if not run.arrived or run.contacts:
-        raise typer.Exit(WRONG)
-
-
-@app.command()
-def attitude(
-    file: Annotated[Path, typer.Argument(help="CSV with time, gyro and accel columns.")],
-    k_p: Annotated[float, typer.Option("--kp", help="Proportional gain [1/s].")] = 0.5,
-    k_i: Annotated[float, typer.Option("--ki", help="Integral gain [1/s²].")] = 0.0,
-    still: Annotated[
-        float, typer.Option(help="Seconds at rest at the start: their mean is the gyro bias.")
-    ] = 0.0,
-    rate: Annotated[
-        float | None, typer.Option(help="Samples per second, for a file without time.")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder for the results; default beside the file.")
-    ] = None,
-) -> None:
-    """Turn an IMU recording into roll, pitch and yaw: a CSV and a picture.
-
-    Columns are found by name, in any order: t_s or time_ms …, gyr_x … in rad/s (gyr_x_deg_s in
-    deg/s), acc_x … in m/s² (acc_x_g in g).
-    """
-    with _refusals():
-        from robocon_course.imu import MahonyGains
-        from robocon_course.recordings import attitude_of_file
-
-        with console.status("working …"):
-            gains = MahonyGains(k_p, k_i)
-            results = attitude_of_file(file, gains, still=still, rate=rate, out=out)
-    for line in results:
-        console.print(escape(line), soft_wrap=True)
-
-
-if __name__ == "__main__":
-    app()

@@ -1,0 +1,9 @@
+"""The command ``robocon``. Exit codes: 0 fine, 1 wrong answers or drift, 2 unusable input.
+
+`terminal` is what all commands share; `course`, `robot` and `eyes` hold them.
+"""
+
+from robocon_course.cli import course, eyes, robot
+from robocon_course.cli.terminal import app
+
+__all__ = ["app", "course", "eyes", "robot"]

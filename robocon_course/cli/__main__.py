@@ -1,0 +1,5 @@
+"""``python -m robocon_course.cli`` is ``robocon``."""
+
+from robocon_course.cli import app
+
+app()

@@ -1,0 +1,115 @@
+"""Commands that make data for networks and networks from data: dataset, train."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from robocon_course._arrays import CourseError
+from robocon_course.cli.terminal import WRONG, app, console, refusals
+
+KIND = Annotated[str, typer.Argument(help="ball or silo.")]
+
+
+def _bar(unit: str) -> Progress:
+    """A bar that counts, names the unit, and says how long it will take."""
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
+    more = TextColumn(unit), TimeRemainingColumn()
+    return Progress(*columns, *more, console=Console(stderr=True), transient=True)
+
+
+@app.command()
+def dataset(
+    kind: KIND,
+    images: Annotated[int, typer.Option(help="How many pictures.")] = 1000,
+    seed: Annotated[int, typer.Option(help="Another seed, other pictures.")] = 0,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder to make; default data-KIND here.")
+    ] = None,
+    workers: Annotated[int | None, typer.Option(help="Processes; default one a core.")] = None,
+    check: Annotated[
+        Path | None, typer.Option(help="Draw nothing: look for problems in this data set.")
+    ] = None,
+) -> None:
+    """Draw a data set with exact boxes, ready for YOLO, and a contact sheet of it.
+
+    With --check FOLDER an existing data set is looked at instead: exit code 1 if anything is wrong
+    with it.
+    """
+    from robocon_course.vision import dataset as sets
+
+    with refusals():
+        if check is None:
+            folder = out or Path(f"data-{kind}")
+            with _bar("pictures") as bar:
+                task = bar.add_task("drawing", total=images)
+                sets.write_dataset(
+                    kind, folder, images, seed, workers=workers,
+                    progress=lambda done, _: bar.update(task, completed=done),
+                )  # fmt: skip
+        else:
+            folder = check
+        problems = sets.check_dataset(folder)
+        import cv2
+
+        sheet = folder / "contact-sheet.jpg"
+        if check is None and not cv2.imwrite(str(sheet), sets.contact_sheet(folder)):
+            raise CourseError(f"{sheet} could not be written")
+    table = Table("file", "problem", box=None)
+    for problem in problems:
+        table.add_row(escape(problem.file), escape(problem.what))
+    if problems:
+        console.print(table)
+        console.print(f"✘ {len(problems)} problems in {escape(str(folder))}", soft_wrap=True)
+        raise typer.Exit(WRONG)
+    seen = "no problems" if check else f"no problems; look at {sheet}"
+    console.print(f"✔ {escape(str(folder))}: {escape(seen)}", soft_wrap=True)
+
+
+@app.command()
+def train(
+    kind: KIND,
+    data: Annotated[Path | None, typer.Option(help="Data set; default data-KIND here.")] = None,
+    run: Annotated[
+        Path | None, typer.Option(help="Folder of this training; default run-KIND here.")
+    ] = None,
+    epochs: Annotated[int, typer.Option(help="How often each picture is shown.")] = 100,
+    image_size: Annotated[int, typer.Option(help="Side of the network's square [pixels].")] = 320,
+    batch: Annotated[int, typer.Option(help="Pictures per step.")] = 16,
+    seed: Annotated[int, typer.Option(help="Of weights, order and augmentation.")] = 0,
+    device: Annotated[str, typer.Option(help="cpu, 0 for a GPU, 0,1 for two.")] = "cpu",
+    start_from: Annotated[
+        Path | None, typer.Option(help="Checkpoint (.pt) of your own to start from.")
+    ] = None,
+) -> None:
+    """Train YOLOv8n from scratch and export it as KIND.onnx. Nothing is downloaded or sent.
+
+    Killed or stopped with Ctrl+C, it goes on after the last whole epoch when called again with the
+    same folder. Needs the extra "vision".
+    """
+    with refusals():
+        from robocon_course.vision import training
+
+        data, run = data or Path(f"data-{kind}"), run or Path(f"run-{kind}")
+        with _bar("epochs") as bar:
+            task = bar.add_task("starting", total=epochs)
+
+            def told(epoch: training.Epoch) -> None:
+                score = "" if epoch.map50 != epoch.map50 else f", mAP50 {epoch.map50:.3f}"
+                said = f"loss {epoch.loss:.2f}{score}"
+                bar.update(task, completed=epoch.number, total=epoch.of, description=said)
+
+            last = training.train(
+                kind, data, run, epochs=epochs, image_size=image_size, batch=batch, seed=seed,
+                device=device, start_from=start_from, progress=told,
+            )  # fmt: skip
+        weights = training.export(last, run / f"{kind}.onnx", image_size)
+        curves = training.history(run)
+    seen = f"mAP50 {curves['map50'][-1]:.3f} on its validation pictures"
+    console.print(f"✔ {escape(str(weights))}: {seen}", soft_wrap=True)
