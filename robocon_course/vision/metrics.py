@@ -155,7 +155,9 @@ def average_precision(recall: ArrayLike, precision: ArrayLike) -> float:
         0 to 1. The curve starts at precision 1 and drops to 0 behind its last recall; between, each
         recall has the best precision of any recall that is not smaller.
     """
-    recall = np.concatenate([[0.0], recall, [recall[-1] if len(recall) else 1.0, 1.0]])
+    if len(recall) == 0:
+        return 0.0
+    recall = np.concatenate([[0.0], recall, [recall[-1], 1.0]])
     precision = np.concatenate([[1.0], precision, [0.0, 0.0]])
     falling = np.maximum.accumulate(precision[::-1])[::-1]
     at = np.linspace(0.0, 1.0, 101)
