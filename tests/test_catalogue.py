@@ -154,12 +154,17 @@ def cells(chapter: str) -> tuple[str, ...]:
     return tuple(c.source for c in lessons.read_source(path).cells if c.cell_type == "code")
 
 
+def handed_in(exercise: Exercise):
+    """The file that lies beside the solved lesson, where an exercise asks for one."""
+    return ROOT / "solutions" / exercise.file if exercise.file else None
+
+
 @pytest.mark.parametrize("student", STUDENTS[1:])
 @pytest.mark.parametrize("exercise", FUNCTIONS, ids=name)
 def test_the_lessons_solution_passes_in_a_process_of_its_own(exercise, student):
     answer = assemble(exercise.function_name, from_cells(cells(exercise.chapter)))
     with AnswerProcess() as process:
-        verdict = judge_answer(process, exercise, answer, student)
+        verdict = judge_answer(process, exercise, answer, student, file=handed_in(exercise))
     assert verdict.points == exercise.points, verdict.message
 
 
@@ -167,7 +172,9 @@ def test_the_lessons_solution_passes_in_a_process_of_its_own(exercise, student):
 def test_a_graded_run_uses_other_numbers_and_the_solution_passes_there_too(exercise):
     answer = assemble(exercise.function_name, from_cells(cells(exercise.chapter)))
     with AnswerProcess() as process:
-        verdict = judge_answer(process, exercise, answer, 7, salt="a class key")
+        verdict = judge_answer(
+            process, exercise, answer, 7, salt="a class key", file=handed_in(exercise)
+        )
     assert verdict.outcome is Outcome.PASSED and verdict.points == exercise.points
 
 

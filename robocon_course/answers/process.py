@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import queue
+import shutil
 import signal
 import subprocess
 import sys
@@ -12,12 +13,14 @@ import threading
 import time
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 from robocon_course.answers import wire
 from robocon_course.files import PACKAGE
 
 REPLY_LIMIT = 64 << 20  # bytes; an answer that returns more than this is told so
+FILE_LIMIT = 13_000_000  # bytes of a file that is handed in with an answer
 START_LIMIT = 60.0  # s; a cold disk and a busy laptop need some of it
 
 
@@ -73,6 +76,19 @@ class AnswerProcess:
     def load(self, source: str, blocked: tuple[str, ...] = ()) -> Reply:
         """Define the answer's functions; ``blocked`` are course functions it must not call."""
         return self._ask(do="load", source=source, blocked=list(blocked))
+
+    def give(self, path: Path, name: str) -> None:
+        """Lay a copy of a file into the folder that the answer runs in.
+
+        Parameters
+        ----------
+        path : Path
+            What is missing, no plain file, or larger than `FILE_LIMIT` is left away.
+        name : str
+        """
+        with suppress(OSError):
+            if path.is_file() and not path.is_symlink() and path.stat().st_size <= FILE_LIMIT:
+                shutil.copyfile(path, Path(self._folder.name) / name)
 
     def call(self, name: str, args: tuple = ()) -> Reply:
         """Call function ``name`` of the answer."""

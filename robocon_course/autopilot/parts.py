@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
-from robocon_course import geometry, gridmap, imu, odometry, planning, swerve, tracking
+from robocon_course import geometry, gridmap, imu, odometry, planning, swerve, tracking, vision
 from robocon_course.drivetrain import wheel_matrix
 
 Part = Callable[..., Any]
@@ -42,6 +42,10 @@ class Parts:
     nearest_point: Part = tracking.nearest_point
     pure_pursuit: Part = tracking.pure_pursuit
     pid_step: Part = tracking.pid_step
+    decode: Part = vision.decode
+    non_max_suppression: Part = vision.non_max_suppression
+    bearing_and_range: Part = vision.bearing_and_range
+    silo_contents: Part = vision.silo_contents
     pose_feedback: Part = swerve.pose_feedback
     field_to_robot: Part = swerve.field_to_robot
     discretize: Part = swerve.discretize

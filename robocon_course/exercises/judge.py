@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from robocon_course.answers.process import AnswerProcess, Reply
@@ -76,10 +77,13 @@ def judge_answer(
     *,
     time_limit: float = math.inf,
     salt: str = "public",
+    file: Path | None = None,
 ) -> Verdict:
-    """Judge an assembled answer inside a running process."""
+    """Judge an assembled answer inside a running process; ``file`` is what came with it."""
     if answer.missing:
         return no_answer(exercise, advice_on_missing(answer, exercise.chapter))
+    if file is not None:
+        process.give(file, exercise.file)
     process.allow(min(exercise.time_limit, time_limit))
     loaded = process.load(answer.text, exercise.blocked)
     if loaded.error == "NotYourOwn":

@@ -83,6 +83,9 @@ class Exercise:
         More course functions, by dotted name, that an answer must not call.
     score : Score, optional
         For a challenge: how good is good enough, instead of equality.
+    file : str
+        Name of a file that is handed in beside the notebook, for the answer to open: weights that
+        took too long to train to do it again.
     """
 
     id: str
@@ -95,6 +98,7 @@ class Exercise:
     time_limit: float = 5.0
     shortcuts: tuple[str, ...] = ()
     score: Score | None = None
+    file: str = ""
 
     @property
     def function_name(self) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from robocon_course.answers.process import AnswerProcess
@@ -150,7 +151,8 @@ def _judge_in_process(exercise: Exercise, answer: Answer, student: int) -> Verdi
     _start_spare()
     process = _spare.pop()
     with process:
-        verdict = judge_answer(process, exercise, answer, student)
+        file = Path(exercise.file) if exercise.file else None
+        verdict = judge_answer(process, exercise, answer, student, file=file)
     _start_spare()
     return verdict
 

@@ -8,7 +8,7 @@ import importlib
 
 from robocon_course.exercises.model import Chapter, Exercise, Number, UnknownExercise
 
-TOPICS = ("start", "imu", "odometry", "swerve", "planning", "tracking")
+TOPICS = ("start", "imu", "odometry", "swerve", "planning", "tracking", "vision")
 
 
 @functools.cache

@@ -163,7 +163,10 @@ def _function_verdict(
         text = "The time for the whole submission was used up."
         return Verdict(exercise.id, Outcome.ERROR, 0.0, exercise.points, text)
     with AnswerProcess() as process:
-        return judge_answer(process, exercise, answer, submission.student, time_limit=time_left)
+        return judge_answer(
+            process, exercise, answer, submission.student,
+            time_limit=time_left, file=submission.file(exercise),
+        )  # fmt: skip
 
 
 def _computed(

@@ -50,6 +50,21 @@ class Submission:
         checking = [c for c in defining if exercise.id in "\n".join(c)]
         return from_cells((checking or defining or [()])[-1])
 
+    def file(self, exercise: Exercise) -> Path | None:
+        """The file that an exercise asks for, None if it asks for none or there is none.
+
+        In a folder it lies anywhere; beside a single notebook, ``amir.ipynb``, it may bear the
+        notebook's name: ``amir.onnx``.
+        """
+        if not exercise.file:
+            return None
+        if self.path.is_dir():
+            found = sorted(p for p in self.path.rglob(exercise.file) if _handed_in(p))
+        else:
+            own = self.path.with_suffix(Path(exercise.file).suffix)
+            found = [p for p in (own, self.path.with_name(exercise.file)) if p.is_file()]
+        return next(iter(found), None)
+
     @property
     def chapters(self) -> tuple[Chapter, ...]:
         """Chapters that the cells work on."""

@@ -1,7 +1,86 @@
 """What the camera sees: pictures made and looked at, networks trained and run.
 
-`classes` names what is told apart. `camera`, `scene` and `pictures` make pictures of the field with
-boxes, `dataset` writes thousands of them, `training` turns them into weights. `detection` runs the
-weights, `metrics` says how good they are, `locate` turns boxes into bearings and ranges, `colour`
-is the older way without a network.
+=============  ==================================================================
+``classes``    what is told apart
+``camera``     points to pixels, pixels to rays
+``scene``      what stands before the camera
+``venue``      halls, benches, silos, balls: painted and lit anew each time
+``shots``      which pictures are taken
+``render``     from a scene to light
+``film``       from light to a picture
+``pictures``   a picture and its boxes, by seed and number
+``dataset``    thousands of them on disk, and what is wrong with a data set
+``training``   networks from data sets (needs the extra "vision")
+``detection``  networks run on pictures
+``metrics``    how good they are
+``locate``     from boxes to bearings, ranges, contents
+``colour``     the older way, without a network
+=============  ==================================================================
+
+Loaded here is only what reads numbers; who makes pictures or trains imports its file by name.
 """
+
+from robocon_course.vision.camera import Camera, camera_pose
+from robocon_course.vision.classes import BALLS, CLASSES, MIN_SCORE, SILOS
+from robocon_course.vision.colour import heading_from_landmarks, largest_blob
+from robocon_course.vision.detection import (
+    Detections,
+    Detector,
+    WeightsError,
+    decode,
+    find_balls,
+    letterbox,
+    load_detector,
+    non_max_suppression,
+)
+from robocon_course.vision.locate import (
+    Sighting,
+    bearing_and_range,
+    locate_ball,
+    nearest_own_ball,
+    on_floor,
+    silo_contents,
+)
+from robocon_course.vision.metrics import (
+    average_precision,
+    average_precisions,
+    box_iou,
+    confusion_matrix,
+    match_detections,
+    precision_recall,
+    score_pictures,
+    xyxy_from_yolo,
+)
+
+__all__ = [
+    "BALLS",
+    "CLASSES",
+    "MIN_SCORE",
+    "SILOS",
+    "Camera",
+    "Detections",
+    "Detector",
+    "Sighting",
+    "WeightsError",
+    "average_precision",
+    "average_precisions",
+    "bearing_and_range",
+    "box_iou",
+    "camera_pose",
+    "confusion_matrix",
+    "decode",
+    "find_balls",
+    "heading_from_landmarks",
+    "largest_blob",
+    "letterbox",
+    "load_detector",
+    "locate_ball",
+    "match_detections",
+    "nearest_own_ball",
+    "non_max_suppression",
+    "on_floor",
+    "precision_recall",
+    "score_pictures",
+    "silo_contents",
+    "xyxy_from_yolo",
+]

@@ -10,6 +10,7 @@ from robocon_course.worlds.drive import (
     failures,
     simulated_drive,
 )
+from robocon_course.worlds.eyes import EyeWorld, eye_world, some_boxes
 from robocon_course.worlds.imu import (
     DT,
     LEAN,
@@ -75,6 +76,7 @@ __all__ = [
     "SPIN",
     "SQUARE",
     "DriveLog",
+    "EyeWorld",
     "FieldDrive",
     "ImuWorld",
     "OdometryWorld",
@@ -91,6 +93,7 @@ __all__ = [
     "calibrated_wheels",
     "drive_log",
     "driving_time",
+    "eye_world",
     "failures",
     "field_drive",
     "finely",
@@ -110,6 +113,7 @@ __all__ = [
     "rough_drive_log",
     "simulated_drive",
     "slip_log",
+    "some_boxes",
     "some_cart",
     "strewn_boxes",
     "student_number",
