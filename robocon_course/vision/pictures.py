@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray
-from robocon_course.vision import film, render, shots, venue
+from robocon_course.vision import film, render, shading, shots, venue
 from robocon_course.vision.camera import Camera
 from robocon_course.vision.classes import CLASSES
 from robocon_course.vision.scene import Scene, linear
@@ -107,9 +107,9 @@ def take(
     fine = camera.scaled(FINENESS)
     packed = scene.packed()
     view = render.seen(packed, fine, T_map_camera)
-    textures = np.stack(scene.textures or [np.zeros((render.TILE, render.TILE, 3), np.uint8)])
+    textures = np.stack(scene.textures or [np.zeros((shading.TILE, shading.TILE, 3), np.uint8)])
     paints = linear(_paints(scene)).astype(np.float32)
-    light = render.shaded(
+    light = shading.shaded(
         packed, fine, T_map_camera, view,
         film.to_linear(textures), venue.field_map(), paints, venue.grain(),
     )  # fmt: skip
