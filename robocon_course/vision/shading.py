@@ -64,6 +64,11 @@ def shaded(
 
     Parameters
     ----------
+    scene : Packed
+    camera : Camera
+    T_map_camera : ndarray, shape (4, 4)
+    view : (rays, depth, what)
+        As `render.seen` returns them.
     textures : ndarray of float32, shape (k, s, s, 3)
         Linear RGB.
     floor_map : ndarray of uint8, shape (n, n)
@@ -72,6 +77,10 @@ def shaded(
         Linear RGB.
     grain : ndarray of float32, shape (s, s)
         Noise around 0, the same scale everywhere: dirt, wood, brush strokes.
+
+    Returns
+    -------
+    ndarray of float32, shape (h, w, 3)
     """
     rays, depth, what = view
     turn, eye = T_map_camera[:3, :3].astype(np.float32), T_map_camera[:3, 3].astype(np.float32)
