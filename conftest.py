@@ -31,4 +31,5 @@ def pytest_runtest_setup(item: pytest.Item) -> Iterator[None]:
     workspace = item.config.stash[WORKSPACES] / item.path.parent.name / item.path.stem
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROBOCON_WORKSPACE", str(workspace))
+        patch.setenv("ROBOCON_TEST", "1")  # trainings are cut short
         return (yield)

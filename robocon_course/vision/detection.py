@@ -179,6 +179,26 @@ class Detector:
         """The same network, read by other functions in place of `decode` and its suppression."""
         return Detector(self._session, self.names, self.min_score, decode=decode, suppress=suppress)
 
+    def guesses(self, image_bgr: NDArray[np.uint8]) -> FloatArray:
+        """The network's own numbers on a picture, as `decode` reads them.
+
+        Parameters
+        ----------
+        image_bgr : ndarray of uint8, shape (h, w, 3)
+
+        Returns
+        -------
+        ndarray, shape (4 + classes, n)
+            Boxes in pixels of the letterboxed square.
+
+        Raises
+        ------
+        ValueError
+            Not a picture; see `detect`.
+        """
+        tensor, *_ = letterbox(as_picture(image_bgr), self.size)
+        return self._session.run(None, {self._input: tensor})[0][0]
+
     def detect(self, image_bgr: NDArray[np.uint8], *, min_score: float | None = None) -> Detections:
         """What is in a picture.
 
