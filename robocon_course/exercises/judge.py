@@ -105,6 +105,7 @@ def judge_number(number: Number, value: Any, student: Student = 0) -> Verdict:
         points = number.points if outcome is Outcome.PASSED else 0.0
         return Verdict(number.id, outcome, points, number.points, message, mistake)
 
+    unit, in_unit = (f" {number.unit}", f" in {number.unit}") if number.unit else ("", "")
     if value is None or value is ...:
         return verdict(Outcome.NOT_ATTEMPTED, "Put your number in place of the three dots.")
     if isinstance(value, tuple | list):
@@ -114,20 +115,17 @@ def judge_number(number: Number, value: Any, student: Student = 0) -> Verdict:
         value = float(value)
     except (TypeError, ValueError, OverflowError):
         kind = type(value).__name__
-        return verdict(Outcome.ERROR, f"Expected one number in {number.unit}, got a {kind}.")
+        return verdict(Outcome.ERROR, f"Expected one number{in_unit}, got a {kind}.")
     if not math.isfinite(value):
-        return verdict(Outcome.ERROR, f"Expected a number in {number.unit}, got {value}.")
+        return verdict(Outcome.ERROR, f"Expected a number{in_unit}, got {value}.")
     whose = f"the robot of student number {student}"
     if abs(value - number.truth(student)) <= number.tolerance:
-        return verdict(Outcome.PASSED, f"{value:.4g} {number.unit} is right for {whose}.")
+        return verdict(Outcome.PASSED, f"{value:.4g}{unit} is right for {whose}.")
     for mistake in number.mistakes:
         # In parts: a small wrong number must not pass for another small wrong number.
         if math.isclose(value, mistake.function(student), rel_tol=number.likeness):
             return verdict(Outcome.WRONG, mistake.message, mistake.name)
-    text = (
-        f"{value:.4g} {number.unit} is not within {number.tolerance:g} {number.unit} of the truth "
-        f"for {whose}."
-    )
+    text = f"{value:.4g}{unit} is not within {number.tolerance:.2g}{unit} of the truth for {whose}."
     return verdict(Outcome.WRONG, text)
 
 

@@ -136,6 +136,7 @@ def _iou_cases(student: Student, rng: np.random.Generator) -> list[Case]:
         Case("a box and itself", (one, one.copy()), "", 1e-9),
         Case("boxes that do not touch, or only at an edge", (one, apart), "", 1e-9),
         Case("a box inside another", (one, inside), "", 1e-9),
+        Case("a box around another", (inside[:1], one), "", 1e-9),
         Case("half of it", (one, one + np.array([20.0, 0.0, 20.0, 0.0])), "", 1e-9),
         Case("many with many", (some_boxes(rng, 6), some_boxes(rng, 9)), "", 1e-9),
         Case("one with none", (one, np.empty((0, 4))), "", 1e-9),

@@ -247,7 +247,7 @@ FIND_BALLS = Exercise(
     cases=_picture_cases,
     file="ball.onnx",
     time_limit=30.0,
-    shortcuts=("robocon_course.vision.detection._shipped",),
+    shortcuts=("robocon_course.vision.detection._shipped", "robocon_course.files.data_file"),
     score=Score(_missing, "% missing to a mAP of 1", ((25.0, 1.0), (50.0, 0.5))),
     hints=(
         'vision.load_detector("ball.onnx") opens the file that training.export wrote beside this '

@@ -218,11 +218,6 @@ OWN_THRESHOLD = Number(
             lambda s: float(worlds.eye_world(s).scores.min()),
         ),
         Mistake(
-            "rounded to tenths",
-            "That is rounded to tenths. Asked for is the threshold to 0.01.",
-            lambda s: round(_best(s), 1),
-        ),
-        Mistake(
             "the published 0.4",
             "That is the source's threshold, for its own network. Yours has another.",
             lambda s: 0.4,
