@@ -6,6 +6,7 @@ gave long ago would change the numbers.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,6 +18,7 @@ collect_ignore_glob = ["notebooks/*.kept-*.ipynb"]  # set aside by `robocon rese
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    os.environ.setdefault("ROBOCON_TEST", "1")  # lessons cut long trainings short
     config.option.nbval_sanitize_with = str(config.rootpath / "tests" / "nbval.cfg")
     folder = TemporaryDirectory(prefix="lessons-", ignore_cleanup_errors=True)
     config.stash[WORKSPACES] = Path(folder.name)
@@ -31,5 +33,4 @@ def pytest_runtest_setup(item: pytest.Item) -> Iterator[None]:
     workspace = item.config.stash[WORKSPACES] / item.path.parent.name / item.path.stem
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROBOCON_WORKSPACE", str(workspace))
-        patch.setenv("ROBOCON_TEST", "1")  # trainings are cut short
         return (yield)

@@ -21,9 +21,9 @@ FINENESS = 1.5
 """Rays per pixel and direction."""
 LEAST_SIDE = {"ball": 4.0, "silo": 8.0}
 """Nothing narrower or lower than this gets a box [pixels]."""
-LEAST_SHARE = {"ball": 0.15, "silo": 0.5}
+LEAST_SHARE = {"ball": 0.15, "silo": 0.6}
 """Nor anything of which less than this share is seen."""
-LEAST_OF_A_FILLING = 0.3
+LEAST_OF_A_FILLING = 0.4
 """Nor a silo with a ball of which less than this share is seen: nobody could name its filling."""
 SIZES = ((320, 240), (320, 180), (320, 320), (320, 240))
 """Shapes of picture that are drawn when none is asked for."""

@@ -32,7 +32,7 @@ def shot(kind: str, rng: np.random.Generator, size: tuple[int, int]) -> Shot:
     elif kind == "ball":
         makes, weights = [_pile, _strewn, _silos, _bench], [0.3, 0.35, 0.2, 0.15]
     else:
-        makes, weights = [_silos, _one_silo, _silo_anywhere], [0.5, 0.35, 0.15]
+        makes, weights = [_row_of_silos, _one_silo, _silo_anywhere], [0.5, 0.35, 0.15]
     scene, target, far = makes[rng.choice(len(makes), p=weights)](rng)
     # A phone held upright or a wide webcam: what matters is the angle seen across.
     camera = Camera.with_view(rng.uniform(0.75, 1.35), *size, rng.uniform(-0.12, 0.02))
@@ -40,11 +40,18 @@ def shot(kind: str, rng: np.random.Generator, size: tuple[int, int]) -> Shot:
     for _ in range(50):
         lens = _lens(rng, target, far)
         aim = np.array(target) + rng.normal(0, 0.12 * np.linalg.norm(lens - target), 3)
-        roll = rng.normal(0, 0.04) if rng.uniform() < 0.85 else rng.uniform(-np.pi, np.pi) * 0.5
+        roll = _roll(kind, rng)
         T_map_camera = view_towards(lens, aim, roll)
         if _is_free(scene, lens) and not (strict and _cuts_a_silo(scene, camera, T_map_camera)):
             break
     return scene, camera, T_map_camera
+
+
+def _roll(kind: str, rng: np.random.Generator) -> float:
+    """Nearly upright; for balls, which look alike from all sides, now and then not at all."""
+    if kind == "silo":
+        return rng.normal(0, 0.06)
+    return rng.normal(0, 0.04) if rng.uniform() < 0.85 else rng.uniform(-np.pi, np.pi) * 0.5
 
 
 def _cuts_a_silo(scene: Scene, camera: Camera, T_map_camera: FloatArray) -> bool:
@@ -168,8 +175,8 @@ def _fill_silos(scene: Scene, rng: np.random.Generator) -> None:
         venue.add_silo(scene, rng, (x, y, field.SILO_ZONE.height), label, make)
 
 
-def _silos(rng: np.random.Generator):
-    """The row of silos, from a post opposite them or from nearer by."""
+def _silos(rng: np.random.Generator, aside: float = 0.5):
+    """The row of silos, from opposite or from nearer by, about `aside` off the normal [rad]."""
     scene = venue.field_hall(rng)
     _fill_silos(scene, rng)
     if rng.uniform() < 0.3:
@@ -178,14 +185,19 @@ def _silos(rng: np.random.Generator):
             _ball(scene, rng, x, y, str(rng.choice(BALLS)))
     side = np.pi if rng.uniform() < 0.5 else 0.0
     target = np.array([6.0, rng.uniform(8.3, 11.7), 0.35 + rng.uniform(0.1, 0.4)])
-    return scene, target, (0.7, 2.8, side, 0.5)
+    return scene, target, (0.7, 2.8, side, aside)
+
+
+def _row_of_silos(rng: np.random.Generator):
+    """The row, looked at so that one silo rarely hides another."""
+    return _silos(rng, aside=0.35)
 
 
 def _one_silo(rng: np.random.Generator):
     """The approach: one silo near by."""
     scene, target, _ = _silos(rng)
     target[1] = scene.cages[rng.integers(5)].foot[1]
-    return scene, target, (0.45, 1.6, np.pi if rng.uniform() < 0.5 else 0.0, 0.7)
+    return scene, target, (0.45, 1.6, np.pi if rng.uniform() < 0.5 else 0.0, 0.45)
 
 
 def _silo_anywhere(rng: np.random.Generator):
