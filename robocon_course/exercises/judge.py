@@ -82,8 +82,9 @@ def judge_answer(
     """Judge an assembled answer inside a running process; ``file`` is what came with it."""
     if answer.missing:
         return no_answer(exercise, advice_on_missing(answer, exercise.chapter))
-    if file is not None:
-        process.give(file, exercise.file)
+    problem = process.give(file, exercise.file) if file is not None else ""
+    if problem:
+        return no_answer(exercise, f"{file.name} {problem}.")
     process.allow(min(exercise.time_limit, time_limit))
     loaded = process.load(answer.text, exercise.blocked)
     if loaded.error == "NotYourOwn":

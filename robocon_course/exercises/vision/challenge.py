@@ -8,30 +8,32 @@ from __future__ import annotations
 
 import functools
 import hashlib
-from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable
 
 import numpy as np
 
 from robocon_course import vision
-from robocon_course._arrays import FloatArray
 from robocon_course.answers.process import Reply
 from robocon_course.exercises.compare import NOTHING, kind_of
 from robocon_course.exercises.model import Case, Exercise, Mistake, Score
+from robocon_course.exercises.vision.symptoms import (
+    COUNT,
+    FAULTS,
+    SIZE,
+    SMALL,
+    Found,
+    Truth,
+    as_found,
+    kept_where,
+    longest,
+    quality,
+    recoloured,
+    symptom,
+)
 from robocon_course.vision import Detections
-from robocon_course.vision.metrics import average_precisions, score_pictures
 from robocon_course.worlds import Student
 
-COUNT = 16
-SIZE = (160, 120)
-SMALL = 14.0
-"""Balls whose longer side is less than this are hard for a network of 96 pixels [pixels]."""
 SURE = 0.97
-CLEARLY = 0.25
-"""By so much mAP a change must help before it counts as what went wrong."""
-
-Truth = Sequence[tuple[np.ndarray, np.ndarray]]
-Found = list[Detections]
 _truths: dict[str, Truth] = {}
 
 
@@ -40,7 +42,7 @@ def _picture_cases(student: Student, rng: np.random.Generator) -> list[Case]:
     for part in ("first", "second", "third"):
         images, truth = _test_set(int(rng.integers(1 << 31)))
         what = f"the {part} {COUNT} of your own pictures"
-        shows = functools.partial(_symptom, truth)
+        shows = functools.partial(symptom, truth)
         cases.append(Case(what, (images,), judge=_wrong_form, truth=truth, traits=shows))
     return cases
 
@@ -60,9 +62,6 @@ def _digest(images: np.ndarray) -> str:
     return hashlib.sha256(np.ascontiguousarray(images).tobytes()).hexdigest()
 
 
-# --- how good an answer is ------------------------------------------------------------------------
-
-
 def _wrong_form(reply: Reply) -> str | None:
     """What keeps an answer from being measured, None if nothing does."""
     if reply.error:
@@ -75,148 +74,21 @@ def _wrong_form(reply: Reply) -> str | None:
         return f"expected one result for each of {COUNT} pictures, got {len(reply.value)}"
     try:
         for item in reply.value:
-            _as_found(item)
+            as_found(item)
     except (TypeError, ValueError) as error:
         return str(error)
     return None
 
 
-def _as_found(item: Any) -> Detections:
-    """Detections as arrays, whatever lists somebody made of them.
-
-    Raises
-    ------
-    ValueError
-        No boxes with scores and class numbers; the message says what came.
-    """
-    if not isinstance(item, list | tuple) or len(item) != 3:
-        raise ValueError(f"expected Detections for each picture, got {kind_of(item)}")
-    boxes, scores, ids = (np.asarray(part, float) for part in item)
-    boxes = boxes.reshape(-1, 4) if boxes.size == 0 else boxes
-    if not (boxes.shape == (len(boxes), 4) and scores.shape == ids.shape == (len(boxes),)):
-        raise ValueError(
-            f"expected as many scores and class numbers as boxes of four numbers, got shapes "
-            f"{boxes.shape}, {scores.shape} and {ids.shape}"
-        )
-    if not all(np.isfinite(part).all() for part in (boxes, scores, ids)):
-        raise ValueError("expected finite numbers, got NaN or infinity")
-    return Detections(boxes, scores, ids.astype(int))
-
-
 def _missing(case: Case, found: Found) -> float:
     """What is missing to a mAP of 1 [per cent]."""
-    found = [_as_found(item) for item in found]
+    found = [as_found(item) for item in found]
     ids = np.concatenate([item.class_ids for item in found])
     if ids.size and not (ids.min() >= 0 and ids.max() <= 2):
         raise ValueError(
             f"class numbers are 0 blue, 1 purple, 2 red; got {ids.min()} to {ids.max()}"
         )
-    return 100.0 * (1.0 - _quality(case.truth, found))
-
-
-def _quality(truth: Truth, found: Found) -> float:
-    """Mean of the average precisions of the three colours."""
-    rows = [(mine, *true) for mine, true in zip(found, truth, strict=True)]
-    return float(np.nanmean(average_precisions(score_pictures(rows, 3))))
-
-
-# --- what an answer shows -------------------------------------------------------------------------
-
-
-def _recoloured(numbers: tuple[int, int, int]) -> Callable[[Detections], Detections]:
-    table = np.array(numbers)
-    return lambda found: found._replace(class_ids=table[found.class_ids])
-
-
-def _boxed(change: Callable[[FloatArray], FloatArray]) -> Callable[[Detections], Detections]:
-    return lambda found: found._replace(boxes=change(np.asarray(found.boxes, float)))
-
-
-def _kept(keep: Callable[[Detections], np.ndarray]) -> Callable[[Detections], Detections]:
-    return lambda found: Detections(*(part[keep(found)] for part in found))
-
-
-def _corners(boxes: FloatArray) -> FloatArray:
-    """Boxes of middle and size."""
-    return np.hstack([boxes[:, :2] - boxes[:, 2:] / 2, boxes[:, :2] + boxes[:, 2:] / 2])
-
-
-def _longest(boxes: FloatArray) -> FloatArray:
-    return (boxes[:, 2:] - boxes[:, :2]).max(axis=1, initial=0.0)
-
-
-class _Fault(NamedTuple):
-    """A fault that can be undone: how it is made, and what makes it good again."""
-
-    name: str
-    make: Callable[[Detections], Detections]
-    mend: Callable[[Detections], Detections]
-
-
-BARS = (0, (SIZE[0] - SIZE[1]) // 2, 0, (SIZE[0] - SIZE[1]) // 2)
-FAULTS = (
-    _Fault("red and blue swapped", _recoloured((2, 1, 0)), _recoloured((2, 1, 0))),
-    _Fault("order of another data set", _recoloured((0, 2, 1)), _recoloured((0, 2, 1))),
-    _Fault("blue and purple swapped", _recoloured((1, 0, 2)), _recoloured((1, 0, 2))),
-    _Fault("classes from another beginning", _recoloured((1, 2, 0)), _recoloured((2, 0, 1))),
-    _Fault(
-        "shares instead of pixels",
-        _boxed(lambda b: b / (*SIZE, *SIZE)),
-        _boxed(lambda b: b * (*SIZE, *SIZE)),
-    ),
-    _Fault(
-        "middle and size",
-        _boxed(lambda b: np.hstack([(b[:, :2] + b[:, 2:]) / 2, b[:, 2:] - b[:, :2]])),
-        _boxed(_corners),
-    ),
-    _Fault("bars not taken off", _boxed(lambda b: b + BARS), _boxed(lambda b: b - BARS)),
-    _Fault(
-        "pixels of the network",
-        _boxed(lambda b: 2.0 * (b + BARS)),
-        _boxed(lambda b: b / 2.0 - BARS),
-    ),
-    _Fault(
-        "x and y swapped",
-        _boxed(lambda b: b[:, [1, 0, 3, 2]]),
-        _boxed(lambda b: b[:, [1, 0, 3, 2]]),
-    ),
-)
-
-
-def _symptom(truth: Truth, value: Any) -> str:
-    """What an answer shows, by the name of a mistake; empty where it is nothing in particular."""
-    found = [_as_found(item) for item in value]
-    ids = np.concatenate([item.class_ids for item in found])
-    if not ids.size:
-        return "nothing found"
-    if ids.max() > 2:
-        return "a network of 80 classes" if ids.max() > 14 else "the silos' network"
-    if ids.min() < 0:
-        return ""
-    quality = _quality(truth, found)
-    mended = {f.name: _quality(truth, [f.mend(item) for item in found]) for f in FAULTS}
-    name = max(mended, key=mended.__getitem__)
-    if mended[name] > quality + CLEARLY:
-        return name
-    return _weakness(truth, found, quality)
-
-
-def _weakness(truth: Truth, found: Found, quality: float) -> str:
-    """What a network is bad at that does nothing wrong."""
-    colourless = [item._replace(class_ids=0 * item.class_ids) for item in found]
-    balls = [(boxes, 0 * ids) for boxes, ids in truth]
-    if _quality(balls, colourless) > quality + CLEARLY:
-        alike = len(np.unique(np.concatenate([item.class_ids for item in found]))) == 1
-        return "one colour for all" if alike else "colours guessed"
-    if min(item.scores.min(initial=1.0) for item in found) > 0.9:
-        return "only the very sure"
-    large = [(boxes[_longest(boxes) >= SMALL], ids[_longest(boxes) >= SMALL])
-             for boxes, ids in truth]  # fmt: skip
-    near = [_kept(lambda item: _longest(item.boxes) >= SMALL)(item) for item in found]
-    return "small ones missed" if _quality(large, near) > quality + CLEARLY else ""
-
-
-# --- the answers that show it ---------------------------------------------------------------------
+    return 100.0 * (1.0 - quality(case.truth, found))
 
 
 def _from_truth(change: Callable[[Detections], Detections]) -> Callable[[np.ndarray], Found]:
@@ -285,12 +157,12 @@ FIND_BALLS = Exercise(
             "one colour for all",
             "The balls are found, and all are called the same. Are there labels of three classes "
             "in your data set?",
-            _from_truth(_recoloured((0, 0, 0))),
+            _from_truth(recoloured((0, 0, 0))),
         ),
         Mistake(
             "colours guessed",
-            "The balls are found, and their colours are guessed. An augmentation that turns the "
-            "hue takes away what tells the classes apart: hsv_h must stay small.",
+            "The balls are found, and their colours are guessed. Was the picture given as RGB? Did "
+            "an augmentation turn the hue? It tells the classes apart: hsv_h must stay small.",
             _from_truth(_by_place),
         ),
         Mistake(
@@ -324,18 +196,18 @@ FIND_BALLS = Exercise(
             "only the very sure",
             "Nothing with a score of less than 0.9 is reported: most balls are missed. Lower "
             "min_score; mAP looks at all scores.",
-            _from_truth(_kept(lambda found: found.scores > SURE)),
+            _from_truth(kept_where(lambda found: found.scores > SURE)),
         ),
         Mistake(
             "small ones missed",
             "Large balls are found, small ones are not. Train with larger pictures: at 96 pixels "
             "a ball at the other end of the field is two pixels wide.",
-            _from_truth(_kept(lambda found: _longest(found.boxes) >= SMALL)),
+            _from_truth(kept_where(lambda found: longest(found.boxes) >= SMALL)),
         ),
         Mistake(
             "nothing found",
             "Nothing is found in any picture. Was the network trained at all?",
-            _from_truth(_kept(lambda found: found.scores > 2.0)),
+            _from_truth(kept_where(lambda found: found.scores > 2.0)),
         ),
         Mistake(
             "the silos' network",
