@@ -155,8 +155,8 @@ FIND_BALLS = Exercise(
         ),
         Mistake(
             "one colour for all",
-            "The balls are found, and all are called the same. Are there labels of three classes "
-            "in your data set?",
+            "The balls are found, and all are called the same. Look at the labels of your data "
+            "set: the first number of a row is the class, 0, 1 or 2.",
             _from_truth(recoloured((0, 0, 0))),
         ),
         Mistake(
@@ -206,7 +206,8 @@ FIND_BALLS = Exercise(
         ),
         Mistake(
             "nothing found",
-            "Nothing is found in any picture. Was the network trained at all?",
+            "Nothing is found in any picture. A network that was hardly trained is sure of "
+            "nothing.",
             _from_truth(kept_where(lambda found: found.scores > 2.0)),
         ),
         Mistake(
