@@ -23,7 +23,9 @@ def bare_room() -> Scene:
 
 def photograph(scene: Scene, T_map_camera, kind: str = "ball", camera: Camera | None = None):
     rng = np.random.default_rng(0)
-    return pictures.take(scene, camera or Camera(), T_map_camera, film.Film(noise=0.0), rng, kind)
+    return pictures.take(
+        scene, camera or Camera(), T_map_camera, film.Film(noise=0.0), rng, kind=kind
+    )
 
 
 def outline(camera: Camera, T_map_camera, centre):

@@ -51,6 +51,7 @@ def refusals() -> Iterator[None]:
 
 
 def say(sentence: str) -> None:
+    """A sentence for people, on the error stream."""
     err = Console(stderr=True, highlight=False, soft_wrap=True)
     err.print(f"[bold]robocon:[/bold] {escape(sentence)}")
 

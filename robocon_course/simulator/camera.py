@@ -98,7 +98,7 @@ class FieldCamera:
                 )
             centre = as_floats(centre, "balls", 3)
             scene.add_ball(centre, self._paints[name], BALLS.index(name), self._turns[k])
-        return pictures.take(scene, self.camera, T_map_camera, self.film, self._rng, kind)
+        return pictures.take(scene, self.camera, T_map_camera, self.film, self._rng, kind=kind)
 
     def _fill(self, scene: Scene, silos: Sequence[str]) -> None:
         """The silos, each standing and filled in the same way whenever it holds the same balls."""

@@ -6,7 +6,8 @@
 ``scene``      what stands before the camera
 ``venue``      halls, benches, silos, balls: painted and lit anew each time
 ``shots``      which pictures are taken
-``render``     from a scene to light
+``render``     what each pixel sees
+``shading``    how bright it is there
 ``film``       from light to a picture
 ``pictures``   a picture and its boxes, by seed and number
 ``dataset``    thousands of them on disk, and what is wrong with a data set

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray
-from robocon_course.vision import film, render, shots, venue
+from robocon_course.vision import film, render, shading, shots, venue
 from robocon_course.vision.camera import Camera
 from robocon_course.vision.classes import CLASSES
 from robocon_course.vision.scene import Scene, linear
@@ -74,7 +74,7 @@ def picture(kind: str, seed: int, index: int, size: tuple[int, int] | None = (32
     if size is None:
         size = SIZES[rng.integers(len(SIZES))]
     scene, camera, T_map_camera = shots.shot(kind, rng, size)
-    return take(scene, camera, T_map_camera, film.Film.random(rng, size[0]), rng, kind)
+    return take(scene, camera, T_map_camera, film.Film.random(rng, size[0]), rng, kind=kind)
 
 
 def take(
@@ -83,6 +83,7 @@ def take(
     T_map_camera: FloatArray,
     on: film.Film,
     rng: np.random.Generator,
+    *,
     kind: str = "ball",
 ) -> Picture:
     """A picture of a scene.
@@ -106,9 +107,9 @@ def take(
     fine = camera.scaled(FINENESS)
     packed = scene.packed()
     view = render.seen(packed, fine, T_map_camera)
-    textures = np.stack(scene.textures or [np.zeros((render.TILE, render.TILE, 3), np.uint8)])
+    textures = np.stack(scene.textures or [np.zeros((shading.TILE, shading.TILE, 3), np.uint8)])
     paints = linear(_paints(scene)).astype(np.float32)
-    light = render.shaded(
+    light = shading.shaded(
         packed, fine, T_map_camera, view,
         film.to_linear(textures), venue.field_map(), paints, venue.grain(),
     )  # fmt: skip
@@ -127,29 +128,41 @@ def visible(
     """Boxes around the visible part of each ball, or of each silo with its balls."""
     first = len(scene.rects)
     total = first + len(scene.balls) + len(scene.cages)
-    spans, counts = render.spans(what, first, total)
+    found = render.spans(what, first, total)
+    seen = _balls if kind == "ball" else _silos
+    boxes, ids = seen(scene, fine, T_map_camera, found[0][first:], found[1][first:])
+    boxes = np.array(boxes, np.float32).reshape(-1, 4) / FINENESS
+    wide = (boxes[:, 2:] - boxes[:, :2]).min(axis=1, initial=np.inf) >= LEAST_SIDE[kind]
+    return boxes[wide], np.array(ids, np.int64)[wide]
+
+
+Boxes = tuple[list[FloatArray], list[int]]
+
+
+def _balls(
+    scene: Scene, fine: Camera, T_map_camera: FloatArray, spans: FloatArray, counts: FloatArray
+) -> Boxes:
+    """Boxes [rays] and colours of the balls of which enough is seen."""
+    least = LEAST_SHARE["ball"] * render.whole_ball(scene, fine, T_map_camera)
+    kept = [k for k, b in enumerate(scene.balls) if b.label >= 0 and counts[k] >= least[k]]
+    return [spans[k] for k in kept], [scene.balls[k].label for k in kept]
+
+
+def _silos(
+    scene: Scene, fine: Camera, T_map_camera: FloatArray, spans: FloatArray, counts: FloatArray
+) -> Boxes:
+    """Boxes [rays] and fillings of the silos of which, and of whose every ball, enough is seen."""
+    whole = render.whole_cage(scene, fine, T_map_camera)
+    least = LEAST_OF_A_FILLING * render.whole_ball(scene, fine, T_map_camera)
     boxes, ids = [], []
-    if kind == "ball":
-        whole = render.whole_ball(scene, fine, T_map_camera)
-        for k, ball in enumerate(scene.balls):
-            if ball.label >= 0 and counts[first + k] >= LEAST_SHARE["ball"] * whole[k]:
-                boxes.append(spans[first + k])
-                ids.append(ball.label)
-    else:
-        start = first + len(scene.balls)
-        whole = render.whole_cage(scene, fine, T_map_camera)
-        least = LEAST_OF_A_FILLING * render.whole_ball(scene, fine, T_map_camera)
-        for k, cage in enumerate(scene.cages):
-            held = [b for b, ball in enumerate(scene.balls) if ball.cage == k]
-            parts = [start + k, *(first + b for b in held)]
-            if counts[start + k] == 0 or any(counts[first + b] < least[b] for b in held):
-                continue
-            span = np.array([spans[parts, 0].min(), spans[parts, 1].min(),
-                             spans[parts, 2].max(), spans[parts, 3].max()])  # fmt: skip
-            area = (span[2] - span[0]) * (span[3] - span[1])
-            if area >= LEAST_SHARE["silo"] * whole[k]:
-                boxes.append(span)
-                ids.append(cage.filling)
-    found = np.array(boxes, np.float32).reshape(-1, 4) / FINENESS
-    wide = (found[:, 2:] - found[:, :2]).min(axis=1, initial=np.inf, where=True) >= LEAST_SIDE[kind]
-    return found[wide], np.array(ids, np.int64)[wide]
+    for k, cage in enumerate(scene.cages):
+        held = [b for b, ball in enumerate(scene.balls) if ball.cage == k]
+        cage_itself = len(scene.balls) + k
+        if counts[cage_itself] == 0 or any(counts[b] < least[b] for b in held):
+            continue
+        parts = spans[[cage_itself, *held]]
+        box = np.r_[parts[:, :2].min(axis=0), parts[:, 2:].max(axis=0)]
+        if np.prod(box[2:] - box[:2]) >= LEAST_SHARE["silo"] * whole[k]:
+            boxes.append(box)
+            ids.append(cage.filling)
+    return boxes, ids

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 
 from robocon_course import field
@@ -12,6 +15,29 @@ from robocon_course.vision.classes import BALLS, SILOS
 from robocon_course.vision.scene import RADIUS, Scene
 
 Shot = tuple[Scene, Camera, FloatArray]
+
+
+class Subject(NamedTuple):
+    """What a picture is about, and from where it is looked at.
+
+    Attributes
+    ----------
+    scene : Scene
+    target : ndarray, shape (3,)  [m, map]
+    near, far : float  [m]
+        Least and greatest distance of the camera along the floor.
+    bearing : float or None  [rad, map]
+        From the target to the camera; None is any.
+    spread : float  [rad]
+        Standard deviation of the bearing.
+    """
+
+    scene: Scene
+    target: FloatArray
+    near: float
+    far: float
+    bearing: float | None = None
+    spread: float = 0.0
 
 
 def shot(kind: str, rng: np.random.Generator, size: tuple[int, int]) -> Shot:
@@ -33,13 +59,15 @@ def shot(kind: str, rng: np.random.Generator, size: tuple[int, int]) -> Shot:
         makes, weights = [_pile, _strewn, _silos, _bench], [0.3, 0.35, 0.2, 0.15]
     else:
         makes, weights = [_row_of_silos, _one_silo, _silo_anywhere], [0.5, 0.35, 0.15]
-    scene, target, far = makes[rng.choice(len(makes), p=weights)](rng)
+    subject = makes[rng.choice(len(makes), p=weights)](rng)
+    scene = subject.scene
     # A phone held upright or a wide webcam: what matters is the angle seen across.
     camera = Camera.with_view(rng.uniform(0.75, 1.35), *size, rng.uniform(-0.12, 0.02))
     strict = rng.uniform() < 0.8
     for _ in range(50):
-        lens = _lens(rng, target, far)
-        aim = np.array(target) + rng.normal(0, 0.12 * np.linalg.norm(lens - target), 3)
+        lens = _lens(rng, subject)
+        off = 0.12 * np.linalg.norm(lens - subject.target)
+        aim = subject.target + rng.normal(0, off, 3)
         roll = _roll(kind, rng)
         T_map_camera = view_towards(lens, aim, roll)
         if _is_free(scene, lens) and not (strict and _cuts_a_silo(scene, camera, T_map_camera)):
@@ -74,10 +102,14 @@ def _cuts_a_silo(scene: Scene, camera: Camera, T_map_camera: FloatArray) -> bool
     return False
 
 
-def _lens(rng: np.random.Generator, target: FloatArray, far: tuple[float, float]) -> FloatArray:
-    """A place for the camera: on the robot, or in somebody's hand, so far from the target."""
-    bearing = rng.uniform(0, 2 * np.pi) if len(far) == 2 else far[2] + rng.normal(0, far[3])
-    away = np.exp(rng.uniform(np.log(far[0]), np.log(far[1])))
+def _lens(rng: np.random.Generator, subject: Subject) -> FloatArray:
+    """A place for the camera: on the robot, or in somebody's hand."""
+    target = subject.target
+    if subject.bearing is None:
+        bearing = rng.uniform(0, 2 * np.pi)
+    else:
+        bearing = subject.bearing + rng.normal(0, subject.spread)
+    away = np.exp(rng.uniform(np.log(subject.near), np.log(subject.far)))
     up = rng.uniform(0.2, 0.7) if rng.uniform() < 0.6 else rng.uniform(0.5, 1.6)
     floor = min(0.25, float(target[2]))
     return np.array(
@@ -107,7 +139,7 @@ def _ball(scene: Scene, rng: np.random.Generator, x: float, y: float, name: str)
     return scene.balls[-1].centre
 
 
-def _pile(rng: np.random.Generator):
+def _pile(rng: np.random.Generator) -> Subject:
     """The 16 balls of a Storage Zone, whole or already partly taken and kicked about."""
     scene = venue.field_hall(rng)
     own = str(rng.choice(["blue", "red"]))
@@ -125,10 +157,12 @@ def _pile(rng: np.random.Generator):
         other = str(rng.choice(["blue", "red"]))
         _ball(scene, rng, 12 - x if mirrored else x, y, other)
     target = np.array([10.875 if mirrored else 1.125, 10.0, 0.2])
-    return scene, target, (0.9, 4.0, np.pi if mirrored else 0.0, 0.9)
+    return Subject(scene, target, 0.9, 4.0, np.pi if mirrored else 0.0, 0.9)
 
 
-def _apart(scene: Scene, rng: np.random.Generator, draw) -> tuple[float, float]:
+def _apart(
+    scene: Scene, rng: np.random.Generator, draw: Callable[[], FloatArray]
+) -> tuple[float, float]:
     """A place that no ball takes already; where all are taken, the last one tried."""
     for _ in range(20):
         x, y = draw()
@@ -141,7 +175,7 @@ def _apart(scene: Scene, rng: np.random.Generator, draw) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def _strewn(rng: np.random.Generator):
+def _strewn(rng: np.random.Generator) -> Subject:
     """A few balls on the floor, one of them in the middle of interest."""
     scene = venue.field_hall(rng)
     x, y = rng.uniform((0.3, 0.3), (5.6, 11.7))
@@ -156,7 +190,7 @@ def _strewn(rng: np.random.Generator):
     _field_things(scene, rng, (x, y))
     if rng.uniform() < 0.3:
         _fill_silos(scene, rng)
-    return scene, middle, (0.3, 3.5)
+    return Subject(scene, middle, 0.3, 3.5)
 
 
 def _field_things(scene: Scene, rng: np.random.Generator, near: tuple[float, float]) -> None:
@@ -175,7 +209,7 @@ def _fill_silos(scene: Scene, rng: np.random.Generator) -> None:
         venue.add_silo(scene, rng, (x, y, field.SILO_ZONE.height), label, make)
 
 
-def _silos(rng: np.random.Generator, aside: float = 0.5):
+def _silos(rng: np.random.Generator, aside: float = 0.5) -> Subject:
     """The row of silos, from opposite or from nearer by, about `aside` off the normal [rad]."""
     scene = venue.field_hall(rng)
     _fill_silos(scene, rng)
@@ -185,45 +219,46 @@ def _silos(rng: np.random.Generator, aside: float = 0.5):
             _ball(scene, rng, x, y, str(rng.choice(BALLS)))
     side = np.pi if rng.uniform() < 0.5 else 0.0
     target = np.array([6.0, rng.uniform(8.3, 11.7), 0.35 + rng.uniform(0.1, 0.4)])
-    return scene, target, (0.7, 2.8, side, aside)
+    return Subject(scene, target, 0.7, 2.8, side, aside)
 
 
-def _row_of_silos(rng: np.random.Generator):
+def _row_of_silos(rng: np.random.Generator) -> Subject:
     """The row, looked at so that one silo rarely hides another."""
     return _silos(rng, aside=0.35)
 
 
-def _one_silo(rng: np.random.Generator):
+def _one_silo(rng: np.random.Generator) -> Subject:
     """The approach: one silo near by."""
-    scene, target, _ = _silos(rng)
-    target[1] = scene.cages[rng.integers(5)].foot[1]
-    return scene, target, (0.45, 1.6, np.pi if rng.uniform() < 0.5 else 0.0, 0.45)
+    subject = _silos(rng)
+    subject.target[1] = subject.scene.cages[rng.integers(5)].foot[1]
+    side = np.pi if rng.uniform() < 0.5 else 0.0
+    return subject._replace(near=0.45, far=1.6, bearing=side, spread=0.45)
 
 
-def _silo_anywhere(rng: np.random.Generator):
+def _silo_anywhere(rng: np.random.Generator) -> Subject:
     """A silo or two on some floor, before the field was built."""
     scene = venue.workshop(rng)
     make = venue.silo_make(rng)
     for k in range(int(rng.integers(1, 4))):
         at = (0.45 * k + rng.normal(0, 0.05), rng.normal(0, 0.1), 0.0)
         venue.add_silo(scene, rng, at, int(rng.integers(len(SILOS))), make)
-    return scene, np.array([0.2, 0.0, 0.25]), (0.6, 2.5)
+    return Subject(scene, np.array([0.2, 0.0, 0.25]), 0.6, 2.5)
 
 
-def _bench(rng: np.random.Generator):
+def _bench(rng: np.random.Generator) -> Subject:
     """Balls near by on a bench or a floor."""
     scene = venue.workshop(rng)
     middle = _ball(scene, rng, 0.0, 0.0, str(rng.choice(BALLS)))
     for _ in range(int(rng.integers(0, 4))):
         x, y = _apart(scene, rng, lambda: rng.normal(0, 0.5, 2))
         _ball(scene, rng, x, y, str(rng.choice(BALLS)))
-    return scene, middle, (0.35, 2.0)
+    return Subject(scene, middle, 0.35, 2.0)
 
 
-def _nothing(rng: np.random.Generator):
+def _nothing(rng: np.random.Generator) -> Subject:
     """No ball of ours, no silo."""
     scene = venue.field_hall(rng) if rng.uniform() < 0.6 else venue.workshop(rng)
     if scene.field_colours is None:
-        return scene, np.array([0.0, 0.0, 0.2]), (0.4, 2.5)
+        return Subject(scene, np.array([0.0, 0.0, 0.2]), 0.4, 2.5)
     target = np.array([*rng.uniform((0.5, 0.5), (11.5, 11.5)), 0.3])
-    return scene, target, (0.6, 4.0)
+    return Subject(scene, target, 0.6, 4.0)

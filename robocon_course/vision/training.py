@@ -18,6 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import cv2
 import numpy as np
 import yaml
 
@@ -32,11 +33,17 @@ os.environ.setdefault(
 )
 Path(os.environ["YOLO_CONFIG_DIR"]).mkdir(parents=True, exist_ok=True)
 
+# And it leaves other people's settings as it likes them: they are put back below.
+_printing, _threads = np.get_printoptions(), cv2.getNumThreads()
+
 import torch  # noqa: E402
 from ultralytics import YOLO  # noqa: E402
 from ultralytics.models.yolo.detect import DetectionTrainer  # noqa: E402
 from ultralytics.nn.tasks import DetectionModel  # noqa: E402
 from ultralytics.utils import SETTINGS  # noqa: E402
+
+np.set_printoptions(**_printing)
+cv2.setNumThreads(_threads)
 
 RECIPE = "yolov8n.yaml"
 AUGMENTATION = {

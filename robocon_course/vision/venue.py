@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from robocon_course import field
 from robocon_course._arrays import FloatArray
 from robocon_course.vision.classes import BALLS, SILOS
-from robocon_course.vision.render import TILE
 from robocon_course.vision.scene import (
     FIELD_MAP,
     RADIUS,
@@ -25,6 +24,7 @@ from robocon_course.vision.scene import (
     Scene,
     stack,
 )
+from robocon_course.vision.shading import TILE
 
 MAP_RESOLUTION = 0.005
 
