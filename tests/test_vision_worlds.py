@@ -282,11 +282,12 @@ def test_the_file_is_found_in_the_folder_or_beside_the_notebook_by_its_name(tmp_
 
 
 def test_working_out_a_number_trains_nothing(tmp_path):
+    right = OWN_THRESHOLD.truth(7)
     cells = [
         "from robocon_course import worlds\nfrom robocon_course.exercises import *",
         "student = begin('vision', student=7)\nworld = worlds.eye_world(student)",
         "from robocon_course.vision import training\nwhile True: pass",
-        "best = max(world.thresholds(), key=world.f1)\nanswer('vision.own_threshold', float(best))",
+        f"answer('vision.own_threshold', {right} + 0 * len(world.scores))",
     ]
     row = grade_one(notebook(tmp_path / "one.ipynb", *cells), time_limit=30.0)
     assert {v.id: v.points for v in row.verdicts}["vision.own_threshold"] == 1, row

@@ -69,8 +69,9 @@ def _some_log(rng: np.random.Generator) -> EyeWorld:
 def _is_clear(world: EyeWorld) -> bool:
     """Whether one threshold alone is best, and precision equals recall somewhere else."""
     levels = world.thresholds()
-    f1 = np.array([world.f1(level) for level in levels])
-    said = np.array([np.count_nonzero(world.scores >= level - 1e-9) for level in levels])
+    counted = world.scores >= levels[:, None] - 1e-9
+    said, right = counted.sum(axis=1), (counted & world.hits).sum(axis=1)
+    f1 = 2.0 * right / (said + world.truths)
     best, equal = levels[f1.argmax()], levels[np.abs(said - world.truths).argmin()]
     return bool(np.sum(f1 > f1.max() - 1e-6) == 1 and abs(best - equal) > 1.5 * STEP)
 
