@@ -77,18 +77,33 @@ class AnswerProcess:
         """Define the answer's functions; ``blocked`` are course functions it must not call."""
         return self._ask(do="load", source=source, blocked=list(blocked))
 
-    def give(self, path: Path, name: str) -> None:
+    def give(self, path: Path, name: str) -> str:
         """Lay a copy of a file into the folder that the answer runs in.
 
         Parameters
         ----------
         path : Path
-            What is missing, no plain file, or larger than `FILE_LIMIT` is left away.
         name : str
+
+        Returns
+        -------
+        str
+            Why it was left away: a link, no plain file, larger than `FILE_LIMIT`. Empty where it
+            was copied, and where there is none: the answer may not have come so far.
         """
-        with suppress(OSError):
-            if path.is_file() and not path.is_symlink() and path.stat().st_size <= FILE_LIMIT:
+        try:
+            if path.is_symlink():
+                return "is a link; hand in the file itself"
+            if path.exists() and not path.is_file():
+                return "is not a file"
+            if path.exists() and path.stat().st_size > FILE_LIMIT:
+                size = path.stat().st_size / 1e6
+                return f"has {size:.1f} MB, and {FILE_LIMIT / 1e6:g} MB are allowed"
+            if path.exists():
                 shutil.copyfile(path, Path(self._folder.name) / name)
+        except OSError as error:
+            return f"cannot be read ({error.strerror})"
+        return ""
 
     def call(self, name: str, args: tuple = ()) -> Reply:
         """Call function ``name`` of the answer."""

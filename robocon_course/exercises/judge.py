@@ -82,8 +82,9 @@ def judge_answer(
     """Judge an assembled answer inside a running process; ``file`` is what came with it."""
     if answer.missing:
         return no_answer(exercise, advice_on_missing(answer, exercise.chapter))
-    if file is not None:
-        process.give(file, exercise.file)
+    problem = process.give(file, exercise.file) if file is not None else ""
+    if problem:
+        return no_answer(exercise, f"{file.name} {problem}.")
     process.allow(min(exercise.time_limit, time_limit))
     loaded = process.load(answer.text, exercise.blocked)
     if loaded.error == "NotYourOwn":
@@ -105,6 +106,7 @@ def judge_number(number: Number, value: Any, student: Student = 0) -> Verdict:
         points = number.points if outcome is Outcome.PASSED else 0.0
         return Verdict(number.id, outcome, points, number.points, message, mistake)
 
+    unit, in_unit = (f" {number.unit}", f" in {number.unit}") if number.unit else ("", "")
     if value is None or value is ...:
         return verdict(Outcome.NOT_ATTEMPTED, "Put your number in place of the three dots.")
     if isinstance(value, tuple | list):
@@ -114,20 +116,17 @@ def judge_number(number: Number, value: Any, student: Student = 0) -> Verdict:
         value = float(value)
     except (TypeError, ValueError, OverflowError):
         kind = type(value).__name__
-        return verdict(Outcome.ERROR, f"Expected one number in {number.unit}, got a {kind}.")
+        return verdict(Outcome.ERROR, f"Expected one number{in_unit}, got a {kind}.")
     if not math.isfinite(value):
-        return verdict(Outcome.ERROR, f"Expected a number in {number.unit}, got {value}.")
+        return verdict(Outcome.ERROR, f"Expected a number{in_unit}, got {value}.")
     whose = f"the robot of student number {student}"
     if abs(value - number.truth(student)) <= number.tolerance:
-        return verdict(Outcome.PASSED, f"{value:.4g} {number.unit} is right for {whose}.")
+        return verdict(Outcome.PASSED, f"{value:.4g}{unit} is right for {whose}.")
     for mistake in number.mistakes:
         # In parts: a small wrong number must not pass for another small wrong number.
         if math.isclose(value, mistake.function(student), rel_tol=number.likeness):
             return verdict(Outcome.WRONG, mistake.message, mistake.name)
-    text = (
-        f"{value:.4g} {number.unit} is not within {number.tolerance:g} {number.unit} of the truth "
-        f"for {whose}."
-    )
+    text = f"{value:.4g}{unit} is not within {number.tolerance:.2g}{unit} of the truth for {whose}."
     return verdict(Outcome.WRONG, text)
 
 

@@ -48,6 +48,13 @@ class EyeWorld:
 def eye_world(student: Student) -> EyeWorld:
     """One student's log: the same on every machine."""
     rng = generator(student, "eyes")
+    while True:
+        world = _some_log(rng)
+        if _is_clear(world):
+            return world
+
+
+def _some_log(rng: np.random.Generator) -> EyeWorld:
     truths = int(rng.integers(180, 260))
     found, wrong = int(truths * rng.uniform(0.85, 0.95)), int(truths * rng.uniform(0.8, 1.6))
     # Right ones score high, wrong ones low, and in between nobody can tell.
@@ -57,6 +64,16 @@ def eye_world(student: Student) -> EyeWorld:
     order = rng.permutation(found + wrong)
     scores = np.round(np.concatenate([right, false]), 2)[order]
     return EyeWorld(scores, (np.arange(found + wrong) < found)[order], truths)
+
+
+def _is_clear(world: EyeWorld) -> bool:
+    """Whether one threshold alone is best, and precision equals recall somewhere else."""
+    levels = world.thresholds()
+    counted = world.scores >= levels[:, None] - 1e-9
+    said, right = counted.sum(axis=1), (counted & world.hits).sum(axis=1)
+    f1 = 2.0 * right / (said + world.truths)
+    best, equal = levels[f1.argmax()], levels[np.abs(said - world.truths).argmin()]
+    return bool(np.sum(f1 > f1.max() - 1e-6) == 1 and abs(best - equal) > 1.5 * STEP)
 
 
 def _bell(rng: np.random.Generator, count: int) -> FloatArray:

@@ -106,6 +106,19 @@ XYXY_FROM_YOLO = Exercise(
             _from_yolo(columns=(0, 1, 2, 3)),
         ),
         Mistake(
+            "y upwards",
+            "Top and bottom are counted from the picture's lower edge. Pixels count from the upper "
+            "left corner, y downwards.",
+            lambda rows, w, h: (
+                vision.xyxy_from_yolo(rows, w, h)[:, [0, 3, 2, 1]] * (1, -1, 1, -1) + (0, h, 0, h)
+            ),
+        ),
+        Mistake(
+            "boxes as columns",
+            "Each column is a box. Asked for is one row a box: shape (n, 4).",
+            lambda rows, w, h: vision.xyxy_from_yolo(rows, w, h).T,
+        ),
+        Mistake(
             "rounded to whole pixels",
             "The edges are cut to whole pixels. A box may begin inside a pixel: keep the decimals.",
             _from_yolo(whole=True),
@@ -123,11 +136,12 @@ def _iou_cases(student: Student, rng: np.random.Generator) -> list[Case]:
         Case("a box and itself", (one, one.copy()), "", 1e-9),
         Case("boxes that do not touch, or only at an edge", (one, apart), "", 1e-9),
         Case("a box inside another", (one, inside), "", 1e-9),
+        Case("a box around another", (inside[:1], one), "", 1e-9),
         Case("half of it", (one, one + np.array([20.0, 0.0, 20.0, 0.0])), "", 1e-9),
         Case("many with many", (some_boxes(rng, 6), some_boxes(rng, 9)), "", 1e-9),
         Case("one with none", (one, np.empty((0, 4))), "", 1e-9),
         Case("crossing boxes", cross, "", 1e-9),
-    ]  # fmt: skip
+    ]
 
 
 def _iou(
@@ -152,6 +166,13 @@ def _iou(
         return found.T if turned else found
 
     return function
+
+
+def _over_the_whole(a: Boxes, b: Boxes) -> Boxes:
+    """The common part over the box around both."""
+    low = np.minimum(a[:, None, :2], b[None, :, :2])
+    around = (np.maximum(a[:, None, 2:], b[None, :, 2:]) - low).prod(axis=-1)
+    return _iou(under=lambda common, one, other: 1.0 + 0.0 * (one + other))(a, b) / around
 
 
 BOX_IOU = Exercise(
@@ -191,6 +212,31 @@ BOX_IOU = Exercise(
             "This is divided by the smaller of the two boxes: a small one inside a large one would "
             "be a perfect match. Divide by the union.",
             _iou(under=lambda common, a, b: np.minimum(a, b)),
+        ),
+        Mistake(
+            "divided by the larger box",
+            "This is divided by the larger of the two boxes. Divide by what both cover together.",
+            _iou(under=lambda common, a, b: np.maximum(a, b)),
+        ),
+        Mistake(
+            "divided by the box around both",
+            "This is divided by the smallest box around both. The union is less: area + area − the "
+            "common part.",
+            _over_the_whole,
+        ),
+        Mistake(
+            "twice over the sum",
+            "This is twice the common part over the sum of both areas, Dice's coefficient. Divide "
+            "the common part by the union.",
+            _iou(under=lambda common, a, b: 0.5 * (a + b)),
+        ),
+        Mistake(
+            "right and bottom taken for sizes",
+            "The last two numbers of a box are taken for its width and height. They are its right "
+            "and bottom edge.",
+            lambda a, b: vision.box_iou(
+                *(np.hstack([x[:, :2], x[:, :2] + x[:, 2:]]) for x in (a, b))
+            ),
         ),
         Mistake(
             "divided by the first box",

@@ -57,6 +57,12 @@ def _ap(
     return function
 
 
+def _read(recall: Curve, precision: Curve, left: float | None = None) -> float:
+    """The area under a curve with ends of its own, made falling and read at 101 recalls."""
+    at, falling = np.linspace(0.0, 1.0, 101), np.maximum.accumulate(precision[::-1])[::-1]
+    return float(np.trapezoid(np.interp(at, recall, falling, left=left), at))
+
+
 AVERAGE_PRECISION = Exercise(
     id="vision.average_precision",
     title="One number for a curve: average precision",
@@ -87,6 +93,26 @@ AVERAGE_PRECISION = Exercise(
             "goes on after the last recall",
             "Behind the last recall nothing more is found: the precision is 0 there.",
             _ap(end=False),
+        ),
+        Mistake(
+            "slope to the end",
+            "Behind the last recall the precision slopes down to 0. It drops at once: put "
+            "recall[-1] with precision 0 before recall 1.",
+            lambda r, p: _read(np.r_[0.0, r, 1.0], np.r_[1.0, p, 0.0]) if len(p) else 0.0,
+        ),
+        Mistake(
+            "start forgotten",
+            "The curve has no point at recall 0: put recall 0 with precision 1 before it. The "
+            "first readings lie there.",
+            lambda r, p: (
+                _read(np.r_[r, r[-1], 1.0], np.r_[p, 0.0, 0.0], left=0.0) if len(p) else 0.0
+            ),
+        ),
+        Mistake(
+            "mean of the readings",
+            "This is the mean of the 101 readings, in which the first and the last count whole. "
+            "The area counts both half: np.trapezoid.",
+            _ap(integral=lambda r, p: np.interp(np.linspace(0.0, 1.0, 101), r, p).mean()),
         ),
         Mistake(
             "mean of the precisions",
@@ -179,6 +205,17 @@ OWN_THRESHOLD = Number(
             "in per cent",
             "That is in per cent. A score lies between 0 and 1.",
             lambda s: 100.0 * _best(s),
+        ),
+        Mistake(
+            "precision equals recall",
+            "There precision and recall are equal. F1 may be larger elsewhere: it can win more of "
+            "one than it loses of the other.",
+            lambda s: _of(s, lambda right, said, there: -abs(right / max(1, said) - right / there)),
+        ),
+        Mistake(
+            "lowest score",
+            "That is the lowest score in your log: everything counts from there.",
+            lambda s: float(worlds.eye_world(s).scores.min()),
         ),
         Mistake(
             "the published 0.4",

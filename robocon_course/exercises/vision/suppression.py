@@ -33,10 +33,19 @@ def _nms_cases(student: Student, rng: np.random.Generator) -> list[Case]:
     return cases
 
 
+def _of_the_smaller(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The common part over the smaller box."""
+    areas = [np.prod(x[:, 2:] - x[:, :2], axis=1) for x in (a, b)]
+    union = areas[0][:, None] + areas[1][None]
+    iou = vision.box_iou(a, b)
+    return iou / (1.0 + iou) * union / np.minimum(areas[0][:, None], areas[1][None])
+
+
 def _nms(
     *,
     order: Callable[[np.ndarray], np.ndarray] = lambda scores: np.argsort(-scores, kind="stable"),
-    by_class: bool = True,
+    alike: Callable[[np.ndarray], np.ndarray] = lambda ids: ids[:, None] == ids[None],
+    shared: Callable[..., np.ndarray] = vision.box_iou,
     drop: Callable[..., np.ndarray] = lambda overlap, most: overlap > most,
     by: str = "kept",
     result: Callable[..., object] = lambda kept, boxes: np.array(kept, int),
@@ -47,12 +56,11 @@ def _nms(
         boxes: np.ndarray, scores: np.ndarray, class_ids: np.ndarray, max_iou: float
     ) -> object:
         kept: list[int] = []
-        overlap = drop(vision.box_iou(boxes, boxes), max_iou)
-        alike = class_ids[:, None] == class_ids[None] if by_class else np.ones_like(overlap)
+        rival = drop(shared(boxes, boxes), max_iou) & alike(class_ids)
         ranking = [int(k) for k in order(scores)]
         for at, k in enumerate(ranking):
             rivals = kept if by == "kept" else ranking[:at] if by == "all" else kept[-1:]
-            if not any(overlap[k, j] and alike[k, j] for j in rivals):
+            if not any(rival[k, j] for j in rivals):
                 kept.append(k)
         return result(kept, boxes)
 
@@ -77,7 +85,7 @@ NON_MAX_SUPPRESSION = Exercise(
         Mistake(
             "across classes",
             "A red ball in front of a blue one is dropped: only boxes of one class are rivals.",
-            _nms(by_class=False),
+            _nms(alike=lambda ids: np.ones((len(ids), len(ids)), bool)),
         ),
         Mistake(
             "the least sure first",
@@ -115,6 +123,23 @@ NON_MAX_SUPPRESSION = Exercise(
             "any overlap",
             "max_iou is not used: boxes that only touch are dropped, too.",
             _nms(drop=lambda overlap, most: overlap > 0.0),
+        ),
+        Mistake(
+            "only across classes",
+            "Boxes of other classes are dropped, and the doubles of one class kept. It has to be "
+            "the other way round.",
+            _nms(alike=lambda ids: ids[:, None] != ids[None]),
+        ),
+        Mistake(
+            "only the surest",
+            "Only the surest box of the whole picture is returned. There may be several things.",
+            _nms(result=lambda kept, boxes: np.array(kept[:1], int)),
+        ),
+        Mistake(
+            "shared part of the smaller box",
+            "What two boxes share is divided by the smaller of them: a small ball in front of a "
+            "large one is lost. IoU divides by the union.",
+            _nms(shared=_of_the_smaller),
         ),
         Mistake(
             "nothing dropped",
