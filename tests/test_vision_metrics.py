@@ -65,6 +65,19 @@ def test_a_true_box_is_found_once_and_by_its_own_class():
     assert match_detections([], [], true, [0]).shape == (0,)
 
 
+def test_the_surest_detection_has_the_true_box_even_if_a_later_one_fits_better():
+    true = [[0, 0, 10, 10], [6, 0, 16, 10]]
+    boxes = [[0, 0, 10, 7], [0, 0, 10, 10]]
+    assert match_detections(boxes, [0, 0], true[:1], [0]).tolist() == [True, False]
+    # The second choice of one whose best is taken counts, too.
+    boxes = [[0, 0, 10, 10], [2.5, 0, 12.5, 10]]
+    assert match_detections(boxes, [0, 0], true, [0, 0], 0.4).tolist() == [True, True]
+    # Pictures need not come sorted.
+    found = Detections(np.array([true[0], [0, 0, 10, 7]]), np.array([0.3, 0.9]), np.array([0, 0]))
+    scored = score_pictures([(found, true[:1], [0])], 1)
+    assert scored.hits[scored.scores == 0.9] and not scored.hits[scored.scores == 0.3]
+
+
 def test_precision_and_recall_by_hand():
     recall, precision = precision_recall([0.9, 0.6, 0.8], [True, True, False], 4)
     np.testing.assert_allclose(recall, [0.25, 0.25, 0.5])
@@ -95,12 +108,45 @@ def random_pictures(rng, count=30, classes=4):
     return made
 
 
-def test_average_precision_equals_ultralytics():
+def many_a_thing(rng, count=30, classes=4):
+    """As `random_pictures`, and each thing seen three times over, better and worse."""
+    made = []
+    for found, true, ids in random_pictures(rng, count, classes):
+        boxes = np.tile(found.boxes, (3, 1)) + rng.normal(0, 2, (3 * len(found.boxes), 4))
+        scores = rng.uniform(0, 1, len(boxes)).astype(np.float32)
+        order = np.argsort(-scores)
+        said = np.tile(found.class_ids, 3)
+        made.append((Detections(boxes[order], scores[order], said[order]), true, ids))
+    return made
+
+
+def test_hits_are_those_of_ultralytics():
+    training = pytest.importorskip("robocon_course.vision.training")
+    training.ensure_torchvision()
+    import torch
+    from ultralytics.engine.validator import BaseValidator
+
+    validator = BaseValidator.__new__(BaseValidator)
+    validator.iouv = torch.tensor([0.5])
+    double = 0
+    for found, true, ids in many_a_thing(np.random.default_rng(3), 200):
+        overlap = torch.tensor(box_iou(true, found.boxes))
+        theirs = validator.match_predictions(
+            torch.tensor(found.class_ids), torch.tensor(ids), overlap
+        )
+        ours = match_detections(found.boxes, found.class_ids, true, ids)
+        assert ours.tolist() == theirs[:, 0].tolist()
+        double += ((overlap.numpy() >= 0.5).sum(axis=1) > 1).sum()
+    assert double > 100  # true boxes that several detections might have had
+
+
+@pytest.mark.parametrize("made", [random_pictures, many_a_thing])
+def test_average_precision_equals_ultralytics(made):
     pytest.importorskip("robocon_course.vision.training")
     from ultralytics.utils.metrics import ap_per_class
 
     for seed in range(20):
-        pictures = random_pictures(np.random.default_rng(seed))
+        pictures = made(np.random.default_rng(seed))
         scored = score_pictures(pictures, 4)
         true_ids = np.concatenate([ids for *_, ids in pictures])
         theirs = ap_per_class(scored.hits[:, None], scored.scores, scored.class_ids, true_ids)

@@ -1,7 +1,8 @@
 """How good a detector is: overlap, precision and recall, average precision, confusion.
 
 Source: average precision as in the COCO evaluation and Ultralytics 8.4: precision made falling,
-read at 101 recalls from 0 to 1, integrated by the trapezoidal rule.
+read at 101 recalls from 0 to 1, integrated by the trapezoidal rule. Of several detections of one
+true box the surest counts as right, as there.
 """
 
 from __future__ import annotations
@@ -91,11 +92,12 @@ def match_detections(
     true_ids: ArrayLike,
     min_iou: float = 0.5,
 ) -> NDArray[np.bool_]:
-    """Which detections of one picture are right: each true box is found once, by its best overlap.
+    """Which detections of one picture are right: the surest one that finds a true box has it.
 
     Parameters
     ----------
     boxes : array_like, shape (n, 4)
+        The surest first, as `Detections` has them.
     class_ids : array_like, shape (n,)
     true_boxes : array_like, shape (m, 4)
     true_ids : array_like, shape (m,)
@@ -105,15 +107,16 @@ def match_detections(
     Returns
     -------
     ndarray of bool, shape (n,)
+        A second box on a ball is a mistake even if it fits better: the first was already believed.
     """
     ids, true_ids = np.asarray(class_ids), np.asarray(true_ids)
     overlap = box_iou(boxes, true_boxes) * (ids[:, None] == true_ids[None, :])
-    pairs = np.argwhere(overlap >= min_iou)
-    order = np.argsort(-overlap[pairs[:, 0], pairs[:, 1]], kind="stable")
-    hits, found = np.zeros(len(ids), bool), np.zeros(len(true_ids), bool)
-    for mine, true in pairs[order]:
-        if not hits[mine] and not found[true]:
-            hits[mine] = found[true] = True
+    hits = np.zeros(len(ids), bool)
+    for mine in np.flatnonzero((overlap >= min_iou).any(axis=1)):
+        true = overlap[mine].argmax()
+        if overlap[mine, true] >= min_iou:
+            hits[mine] = True
+            overlap[:, true] = -1.0
     return hits
 
 
@@ -180,9 +183,11 @@ def score_pictures(pictures: Sequence[tuple], classes: int, min_iou: float = 0.5
     scores, hits, ids = [np.empty(0)], [np.empty(0, bool)], [np.empty(0, np.int64)]
     truths = np.zeros(classes, np.int64)
     for found, true_boxes, true_ids in pictures:
-        scores.append(found.scores)
-        ids.append(found.class_ids)
-        hits.append(match_detections(found.boxes, found.class_ids, true_boxes, true_ids, min_iou))
+        order = np.argsort(-np.asarray(found.scores), kind="stable")
+        boxes, said = np.asarray(found.boxes)[order], np.asarray(found.class_ids)[order]
+        scores.append(np.asarray(found.scores)[order])
+        ids.append(said)
+        hits.append(match_detections(boxes, said, true_boxes, true_ids, min_iou))
         truths += np.bincount(true_ids, minlength=classes)
     return Scored(np.concatenate(scores), np.concatenate(hits), np.concatenate(ids), truths)
 
