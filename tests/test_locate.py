@@ -91,6 +91,36 @@ def test_half_a_ball_at_the_border_keeps_its_range_and_loses_certainty():
     assert abs(there.bearing - here.bearing) < there.bearing_sigma
 
 
+def test_a_ball_in_a_corner_of_the_picture_is_not_said_to_be_sure():
+    rng, compared, slivers = np.random.default_rng(4), 0, 0
+    for _ in range(1500):
+        far, bearing, tilt = rng.uniform((0.35, 0.3, 0.0), (1.5, 0.6, 0.6))
+        bearing *= rng.choice([-1, 1])
+        box = outline(PLAIN, tilt, (far * np.cos(bearing), far * np.sin(bearing), 0.095))
+        seen = np.clip(box, 0, (320, 240, 320, 240))
+        sides, whole = seen[2:] - seen[:2], box[2:] - box[:2]
+        if not (np.isfinite(box).all() and (sides < whole).all() and (sides > 6).all()):
+            continue
+        found = locate_ball(seen, PLAIN, tilt, MOUNT[2])
+        # Of what is cut by half each way at most, the truth lies within one deviation; slivers that
+        # show less still within four.
+        half = (sides >= whole / 2).all()
+        compared, slivers = compared + half, slivers + (not half)
+        assert abs(found.range - far) < (1 if half else 4) * found.range_sigma
+        assert abs(found.bearing - bearing) < (1 if half else 4) * found.bearing_sigma
+    assert compared > 30 and slivers > 10
+
+
+def test_one_border_takes_nothing_from_the_certainty_and_a_corner_does():
+    box = outline(PLAIN, 0.2, (1.0, 0.0, 0.095))
+    aside, down = (box[0], 0, box[0], 0), (0, 240 - box[3], 0, 240 - box[3])
+    places = (box - aside + 5, box - aside, box - aside + down)
+    free, at_border, in_corner = (locate_ball(b, PLAIN, 0.2, MOUNT[2]) for b in places)
+    assert at_border.bearing_sigma == pytest.approx(free.bearing_sigma, rel=0.3)
+    assert at_border.range_sigma == pytest.approx(free.range_sigma, rel=0.3)
+    assert in_corner.bearing_sigma > 5 * at_border.bearing_sigma
+
+
 def test_a_ball_above_the_horizon_is_not_on_the_floor():
     box = outline(PLAIN, 0.0, (1.0, 0.0, 0.8))
     assert on_floor(box, PLAIN, 0.0, 0.42).range == np.inf

@@ -54,6 +54,7 @@ def bearing_and_range(box: ArrayLike, camera: Camera, tilt: float = 0.0) -> Sigh
     From above, the looks at a ball's left and right edge touch a circle: it lies halfway between
     them, and its distance is radius / sin(half their angle). The same holds from the side. What
     hides a part of the ball makes it look farther away, never nearer: the nearer one is believed.
+    That fails where width and height are cut alike, in a corner of the picture: see `locate_ball`.
 
     Parameters
     ----------
@@ -97,7 +98,9 @@ def on_floor(box: ArrayLike, camera: Camera, tilt: float, height: float) -> Sigh
     Returns
     -------
     Sighting
-        Infinitely far, and infinitely unsure, for a box whose middle is not below the horizon.
+        Infinitely far, and infinitely unsure, for a box whose middle is not below the horizon. A
+        ball in a corner of the picture may reach out of it: its middle is as unsure as its box is
+        large.
 
     Raises
     ------
@@ -109,7 +112,8 @@ def on_floor(box: ArrayLike, camera: Camera, tilt: float, height: float) -> Sigh
     if not above > 0:
         raise ValueError(f"height: expected a lens above a ball's middle (0.095 m), got {height}")
     bearing, ahead, down = _levelled(look, tilt)
-    sigma = (EDGE_SIGMA / sqrt(2) + look.missing(camera)) / camera.focal
+    hidden = look.missing(camera) + _cornered(box, camera)
+    sigma = (EDGE_SIGMA / sqrt(2) + hidden) / camera.focal
     if down <= 1e-6:
         return Sighting(bearing, float("inf"), sigma, float("inf"))
     far = above * ahead / down
@@ -132,6 +136,10 @@ def locate_ball(box: ArrayLike, camera: Camera, tilt: float, height: float) -> S
     Sighting
     """
     size, floor = bearing_and_range(box, camera, tilt), on_floor(box, camera, tilt, height)
+    hidden = _cornered(box, camera)
+    if hidden > 0:
+        aside = size.bearing_sigma + hidden / camera.focal
+        size = size._replace(bearing_sigma=aside, range_sigma=size.range)
     if not np.isfinite(floor.range):
         return size
     trust = size.range_sigma**-2, floor.range_sigma**-2
@@ -167,6 +175,19 @@ def _look(box: ArrayLike, camera: Camera) -> _Look:
         BALL_DIAMETER / 2 / sin((across[1] - across[0]) / 2) * cos(across.mean()),
         BALL_DIAMETER / 2 / sin((down[1] - down[0]) / 2) * cos(down.mean()),
     )
+
+
+def _cornered(box: ArrayLike, camera: Camera) -> float:
+    """How much of a ball a corner of the picture may hide [pixels]: as much as is seen, or none.
+
+    Where only one border cuts a ball, its other side still tells its size. In a corner both sides
+    are cut, perhaps alike, and nothing in the box shows it.
+    """
+    left, top, right, bottom = as_floats(box, "box", 4)
+    near = 2 * EDGE_SIGMA
+    beside = left <= near or right >= camera.width - near
+    over = top <= near or bottom >= camera.height - near
+    return max(right - left, bottom - top) if beside and over else 0.0
 
 
 def _levelled(look: _Look, tilt: float) -> tuple[float, float, float]:
