@@ -160,7 +160,7 @@ def test_what_is_no_picture_is_refused(image, rule):
         load_detector("ball").detect(image)
 
 
-@pytest.mark.parametrize("score", [-0.1, 1.1, float("nan")])
+@pytest.mark.parametrize("score", [-0.1, 1.1, float("nan"), "0.4", []])
 def test_a_score_that_is_none_is_refused(score):
     with pytest.raises(ValueError, match="min_score"):
         load_detector("ball").detect(np.zeros((8, 8, 3), np.uint8), min_score=score)
@@ -218,6 +218,11 @@ def flip_a_bit(path):
         (lambda path: path.write_bytes(b""), "empty"),
         (lambda path: path.unlink(), "no data file"),
         (lambda path: path.with_name("SHA256SUMS").write_text(""), "expected none"),
+        (
+            lambda path: path.with_name("SHA256SUMS").write_text("\nno sums at all\n"),
+            "expected none",
+        ),
+        (lambda path: path.with_name("SHA256SUMS").write_bytes(b"\xff\x00"), "not text"),
         (lambda path: path.with_name("SHA256SUMS").unlink(), "no data file"),
     ],
 )
@@ -238,6 +243,52 @@ def test_a_file_that_is_no_network_is_refused(tmp_path, data, rule):
         load_detector(path)
     with pytest.raises(WeightsError, match="cannot be read"):
         load_detector(tmp_path / "nowhere.onnx")
+
+
+@pytest.mark.parametrize("weights", [None, 3, ("ball",)])
+def test_what_is_no_name_and_no_path_is_refused(weights):
+    with pytest.raises(WeightsError, match="'ball', 'silo' or a path"):
+        load_detector(weights)
+
+
+def small_network(path, *, number="FLOAT", more=(), gives=(1, 6, 8), names="{0: 'a', 1: 'b'}"):
+    """A network that says the same of every picture: nothing."""
+    onnx = pytest.importorskip("onnx")
+    helper, kind = onnx.helper, onnx.TensorProto
+    takes = [helper.make_tensor_value_info("images", getattr(kind, number), [1, 3, 32, 32])]
+    takes += [helper.make_tensor_value_info(name, kind.FLOAT, [1]) for name in more]
+    nothing = helper.make_tensor("c", kind.FLOAT, gives, [0.0] * int(np.prod(gives)))
+    graph = helper.make_graph(
+        [helper.make_node("Constant", [], ["found"], value=nothing)], "small", takes,
+        [helper.make_tensor_value_info("found", kind.FLOAT, gives)],
+    )  # fmt: skip
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 13)], ir_version=8)
+    helper.set_model_props(model, {"names": names})
+    path.write_bytes(model.SerializeToString())
+    return path
+
+
+def test_a_network_of_other_classes_is_taken_with_its_own_names(tmp_path):
+    detector = load_detector(small_network(tmp_path / "mine.onnx"))
+    assert (detector.names, detector.size, detector.min_score) == (("a", "b"), 32, 0.25)
+    assert detector.detect(np.zeros((8, 9, 3), np.uint8)).boxes.shape == (0, 4)
+
+
+@pytest.mark.parametrize(
+    ("other", "rule"),
+    [
+        ({"gives": (1, 84, 8)}, "for 2 classes"),
+        ({"gives": (1, 300, 6)}, "for 2 classes"),
+        ({"names": "{}"}, "for 0 classes"),
+        ({"names": "__import__('os')"}, "not a network that can be opened"),
+        ({"number": "FLOAT16"}, "without half=True"),
+        ({"more": ("thresholds",)}, "takes 2 inputs"),
+    ],
+)
+def test_a_network_of_another_shape_is_refused_when_it_is_loaded(tmp_path, other, rule):
+    path = small_network(tmp_path / "mine.onnx", **other)
+    with pytest.raises(WeightsError, match=rule):
+        load_detector(path)
 
 
 def test_own_weights_are_opened_by_their_path(tmp_path):

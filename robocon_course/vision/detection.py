@@ -224,7 +224,7 @@ class Detector:
         image_bgr = as_picture(image_bgr)
         if min_score is None:
             min_score = self.min_score
-        elif not 0.0 <= float(min_score) <= 1.0:
+        elif not (isinstance(min_score, int | float | np.number) and 0.0 <= min_score <= 1.0):
             raise ValueError(f"min_score: expected a number from 0 to 1, got {min_score!r}")
         tensor, scale, shift = letterbox(image_bgr, self.size)
         output = self._session.run(None, {self._input: tensor})[0][0]
@@ -285,6 +285,8 @@ def load_detector(weights: str | Path) -> Detector:
         A file that is missing, empty, cut short or altered (the course's own are compared with
         their SHA-256 before anything reads them), or no network with boxes and classes.
     """
+    if not isinstance(weights, str | Path):
+        raise WeightsError(f"weights: expected 'ball', 'silo' or a path, got {weights!r}")
     if str(weights) in CLASSES:
         return _shipped(str(weights))
     return _open(_read(Path(weights)), Path(weights))
@@ -315,7 +317,10 @@ def _shipped(kind: str) -> Detector:
         listed = files.data_file("weights/SHA256SUMS").read_text(encoding="ascii")
     except FileNotFoundError as error:
         raise WeightsError(str(error)) from None
-    sums = {name.lstrip("*"): digest for digest, name in map(str.split, listed.splitlines())}
+    except UnicodeDecodeError:
+        raise WeightsError("SHA256SUMS is not text; install the course again") from None
+    lines = (line.split() for line in listed.splitlines())
+    sums = {line[1].lstrip("*"): line[0] for line in lines if len(line) == 2}
     data = _read(path)
     found = hashlib.sha256(data).hexdigest()
     if sums.get(path.name) != found:
@@ -355,7 +360,8 @@ def _open(data: bytes, path: Path) -> Detector:
         noted = session.get_modelmeta().custom_metadata_map.get("names", "{}")
         names = ast.literal_eval(noted)
         names = tuple(str(names[k]) for k in sorted(names))
-        takes, gives = session.get_inputs()[0].shape, session.get_outputs()[0].shape
+        (taken, *more), given = session.get_inputs(), session.get_outputs()[0]
+        takes, gives = taken.shape, given.shape
     except Exception as error:  # onnxruntime raises a class of its own for each of its reasons
         reason = str(error).splitlines()[0][:120]
         raise WeightsError(f"{path.name}: not a network that can be opened ({reason})") from None
@@ -364,6 +370,11 @@ def _open(data: bytes, path: Path) -> Detector:
         raise WeightsError(
             f"{path.name}: takes {takes} and gives {gives} for {len(names)} classes; expected "
             "[1, 3, s, s] and [1, 4 + classes, n], as `robocon train` exports it"
+        )
+    if more or {taken.type, given.type} != {"tensor(float)"}:
+        raise WeightsError(
+            f"{path.name}: takes {1 + len(more)} inputs, the first a {taken.type}, and gives a "
+            f"{given.type}; expected one input, both tensor(float): export it without half=True"
         )
     kind = next((k for k, known in CLASSES.items() if known == names), None)
     return Detector(session, names, MIN_SCORE.get(kind, 0.25))
