@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Ellipse, Rectangle
+from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
@@ -16,7 +16,6 @@ from robocon_course._arrays import FloatArray
 from robocon_course.view.canvas import MINE, REFERENCE, TRUTH, WARN, figure, styled
 from robocon_course.vision.classes import BALLS, SILOS
 from robocon_course.vision.detection import Detections
-from robocon_course.vision.locate import Sighting
 
 PAINT = {"blue": "#2D6CDF", "purple": "#A64FB0", "red": "#E0334A"}
 """Colours of balls on white paper."""
@@ -90,7 +89,7 @@ def gallery(
 def _picture(
     ax: Axes, image: NDArray[np.uint8], found: Detections | None, names: Sequence[str], title: str
 ) -> None:
-    ax.imshow(image[..., ::-1], interpolation="nearest")
+    ax.imshow(image[..., ::-1], interpolation="antialiased")
     ax.set_axis_off()
     if title:
         ax.set_title(title, fontsize=9)
@@ -225,42 +224,6 @@ def plot_losses(history: Mapping[str, FloatArray]) -> Figure:
     ax.set(xlabel="epoch", ylabel="loss", ylim=(0, None))
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.legend()
-    return fig
-
-
-@styled()
-def plot_sightings(
-    seen: Mapping[str, Sequence[Sighting]],
-    colours: Sequence[str],
-    truth: ArrayLike | None = None,
-) -> Figure:
-    """Balls from above, with one standard deviation each way; the robot looks up.
-
-    Parameters
-    ----------
-    seen : mapping of name to a sighting for each ball
-    colours : sequence of str
-        Of the balls.
-    truth : array_like, shape (n, 2), optional  [rad, m]
-        True bearings and ranges.
-    """
-    fig, ax = figure(5.6, 4.2)
-    for bearing, far in np.asarray(truth, float).reshape(-1, 2) if truth is not None else ():
-        ax.add_patch(Circle((-far * np.sin(bearing), far * np.cos(bearing)), 0.095, fill=False,
-                            edgecolor=TRUTH, linewidth=1.2, linestyle=":"))  # fmt: skip
-    marks = {name: mark for name, mark in zip(seen, "osD^", strict=False)}
-    for name, sightings in seen.items():
-        for one, colour in zip(sightings, colours, strict=True):
-            at = (-one.range * np.sin(one.bearing), one.range * np.cos(one.bearing))
-            ax.add_patch(Ellipse(at, 2 * one.range * one.bearing_sigma, 2 * one.range_sigma,
-                                 angle=np.degrees(one.bearing), facecolor=PAINT[colour],
-                                 alpha=0.25, linewidth=0))  # fmt: skip
-            ax.plot(*at, marks[name], color=PAINT[colour], markersize=4)
-        ax.plot([], [], marks[name], color="#555555", markersize=4, label=name)
-    ax.plot(0, 0, "^", color=TRUTH, markersize=9)
-    ax.set(xlabel="to the right [m]", ylabel="ahead [m]", aspect="equal")
-    ax.margins(0.12)
-    ax.legend(loc="lower right")
     return fig
 
 

@@ -112,7 +112,7 @@ def write_dataset(
             empty, done = empty + names, done + count
             if progress is not None:
                 progress(done, images)
-        about = {"path": ".", **{s: f"images/{s}" for s in SPLITS},
+        about = {**{s: f"images/{s}" for s in SPLITS},
                  "names": dict(enumerate(CLASSES[kind]))}  # fmt: skip
         (part / "data.yaml").write_text(yaml.safe_dump(about, sort_keys=False), encoding="utf-8")
         (part / "background.txt").write_text("".join(f"{n}\n" for n in empty), encoding="utf-8")
@@ -382,16 +382,16 @@ def contact_sheet(
     paths = sorted(_files(folder / "images" / split, (".jpg", ".jpeg", ".png")))[:count]
     if not paths:
         raise DatasetError(f"{folder}: no pictures in images/{split}")
-    tiles = []
-    for path in paths:
-        image = cv2.imread(str(path))
+    tiles, images = [], [cv2.imread(str(path)) for path in paths]
+    tallest = max(min(1.0, image.shape[0] / image.shape[1]) for image in images)
+    for path, image in zip(paths, images, strict=True):
         label = folder / "labels" / split / f"{path.stem}.txt"
         lines = label.read_text(encoding="ascii").splitlines() if label.is_file() else []
         rows = np.array([line.split() for line in lines], float).reshape(-1, 5)
         boxes = xyxy_from_yolo(rows, image.shape[1], image.shape[0])
         for box, k in zip(boxes, rows[:, 0].astype(int), strict=True):
             draw_box(image, box, names[k])
-        tiles.append(_fitted(image, 240))
+        tiles.append(_fitted(image, 240, tallest))
     tiles += [np.full_like(tiles[0], 255)] * (-len(tiles) % across)
     rows = [np.hstack(tiles[k : k + across]) for k in range(0, len(tiles), across)]
     return np.vstack(rows)
@@ -411,13 +411,14 @@ def draw_box(image_bgr: NDArray[np.uint8], box: FloatArray, name: str, tag: str 
         cv2.putText(image_bgr, tag, at, cv2.FONT_HERSHEY_SIMPLEX, 0.35, colour, 1, cv2.LINE_AA)
 
 
-def _fitted(image: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
-    """A picture in a square of its own, with a white margin."""
+def _fitted(image: NDArray[np.uint8], side: int, tallest: float) -> NDArray[np.uint8]:
+    """A picture in a tile of its own, with a white margin; `tallest` is the tile's shape."""
     import cv2
 
-    scale = (side - 4) / max(image.shape[:2])
+    width, height = side, round(side * tallest)
+    scale = min((width - 4) / image.shape[1], (height - 4) / image.shape[0])
     small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    tile = np.full((side, side, 3), 255, np.uint8)
-    top, left = (side - small.shape[0]) // 2, (side - small.shape[1]) // 2
+    tile = np.full((height, width, 3), 255, np.uint8)
+    top, left = (height - small.shape[0]) // 2, (width - small.shape[1]) // 2
     tile[top : top + small.shape[0], left : left + small.shape[1]] = small
     return tile

@@ -153,7 +153,7 @@ def train(
     ensure_torchvision()
     torch.set_num_threads(os.cpu_count() or 1)
     settings = {
-        "model": RECIPE, "data": str(_data_file(kind, data)), "epochs": epochs,
+        "model": RECIPE, "data": str(_in_full(_data_file(kind, data), run)), "epochs": epochs,
         "imgsz": image_size, "batch": batch, "nbs": batch, "lr0": rate, "lrf": 0.02,
         "cos_lr": True, "optimizer": "AdamW", "warmup_epochs": min(0.5, epochs / 4),
         "seed": seed, "device": device, "project": str(run.parent), "name": run.name,
@@ -218,6 +218,16 @@ def _data_file(kind: str, data: Path) -> Path:
     if names != CLASSES[kind]:
         raise TrainingError(f"{path}: its classes are {names[:3]}…, not those of {kind!r}")
     return path
+
+
+def _in_full(description: Path, run: Path) -> Path:
+    """A copy that names the data set's folder in full; Ultralytics reads "." from where it runs."""
+    about = yaml.safe_load(description.read_text(encoding="utf-8"))
+    about["path"] = str(description.parent)
+    run.mkdir(parents=True, exist_ok=True)
+    copy = run / "data.yaml"
+    copy.write_text(yaml.safe_dump(about, sort_keys=False), encoding="utf-8")
+    return copy
 
 
 def _last_whole(run: Path) -> Path | None:
