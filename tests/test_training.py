@@ -319,6 +319,7 @@ def test_robocon_train_leaves_a_network_that_opens(data, tmp_path, monkeypatch):
     line = "train", "ball", "--data", data, "--epochs", 1, "--image-size", 64, "--batch", 4
     code, said = robocon(*line)
     assert code == 0 and "run-ball/ball.onnx" in said and "mAP50" in said
+    assert "epoch 1 of 1: loss" in said
     assert load_detector(tmp_path / "run-ball" / "ball.onnx").size == 64
     # Typed again it finds everything done.
     assert robocon(*line)[0] == 0

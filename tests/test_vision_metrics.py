@@ -83,9 +83,12 @@ def test_what_is_right_equals_ultralytics():
     from ultralytics.engine.validator import BaseValidator
 
     judge = SimpleNamespace(iouv=torch.tensor([0.5]))
-    for found, true, ids in random_pictures(np.random.default_rng(7), 200, 2):
-        order = np.argsort(-found.scores)
-        boxes, said = found.boxes[order], found.class_ids[order]
+    rng = np.random.default_rng(7)
+    for found, true, ids in random_pictures(rng, 200, 2):
+        # Each a second time, a little beside.
+        twice = np.vstack([found.boxes, found.boxes + rng.normal(0, 2, found.boxes.shape)])
+        order = rng.permutation(len(twice))
+        boxes, said = twice.astype(np.float32)[order], np.tile(found.class_ids, 2)[order]
         overlap = torch.from_numpy(box_iou(true, boxes))
         theirs = BaseValidator.match_predictions(
             judge, torch.from_numpy(said), torch.from_numpy(ids), overlap

@@ -101,6 +101,8 @@ def train(
             task = bar.add_task("starting", total=epochs)
 
             def show(epoch: training.Epoch) -> None:
+                if not bar.console.is_terminal:  # a log keeps a line an epoch
+                    bar.console.print(epoch.in_words(), soft_wrap=True)
                 score = "" if epoch.map50 != epoch.map50 else f", mAP50 {epoch.map50:.3f}"
                 said = f"loss {epoch.loss:.2f}{score}"
                 bar.update(task, completed=epoch.number, total=epoch.of, description=said)

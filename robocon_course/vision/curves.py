@@ -56,6 +56,19 @@ class Epoch(NamedTuple):
     map50: float
     seconds: float
 
+    def in_words(self) -> str:
+        """One line, with the time that is left if the epochs go on as long as so far.
+
+        Examples
+        --------
+        >>> Epoch(3, 12, 7.04, 0.25, 60.0).in_words()
+        'epoch 3 of 12: loss 7.04, mAP50 0.250, 3 min left'
+        """
+        score = "" if np.isnan(self.map50) else f", mAP50 {self.map50:.3f}"
+        left = self.seconds / self.number * (self.of - self.number)
+        time = f"{left:.0f} s" if left < 100 else f"{left / 60:.0f} min"
+        return f"epoch {self.number} of {self.of}: loss {self.loss:.2f}{score}, {time} left"
+
 
 def history(run: str | Path) -> dict[str, FloatArray]:
     """The learning curves of a training.

@@ -218,7 +218,8 @@ def _refuse_folder(run: Path, data: Path) -> None:
         raise TrainingError(f"run: {run} holds the data set; a training needs a folder of its own")
     if run.exists() and not run.is_dir():
         raise TrainingError(f"run: {run} is a file; a training needs a folder of its own")
-    if run.is_dir() and any(run.iterdir()) and not (run / "args.yaml").is_file():
+    there = {path.name for path in run.iterdir()} if run.is_dir() else set()
+    if there - {"weights"} and "args.yaml" not in there:
         raise TrainingError(
             f"run: {run} holds things that are no training's; name a folder that is new or empty"
         )
