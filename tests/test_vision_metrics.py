@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -63,6 +65,36 @@ def test_a_true_box_is_found_once_and_by_its_own_class():
     assert match_detections(boxes, [0, 0, 1], true, [0]).tolist() == [True, False, False]
     assert match_detections(boxes, [0, 0, 1], np.empty((0, 4)), []).tolist() == [False] * 3
     assert match_detections([], [], true, [0]).shape == (0,)
+
+
+def test_the_surest_finds_a_true_box_even_if_another_overlaps_better():
+    true = [[0, 0, 10, 10], [20, 0, 30, 10]]
+    boxes = [[0, 0, 10, 8], [0, 0, 10, 10], [21, 0, 30, 10]]
+    assert match_detections(boxes, [0, 0, 0], true, [0, 0]).tolist() == [True, False, True]
+    # The second best is good enough where the best is taken.
+    true = [[0, 0, 10, 10], [0, 0, 10, 9]]
+    boxes = [[0, 0, 10, 10], [0, 0, 10, 10]]
+    assert match_detections(boxes, [0, 0], true, [0, 0]).tolist() == [True, True]
+
+
+def test_what_is_right_equals_ultralytics():
+    pytest.importorskip("robocon_course.vision.training")
+    import torch
+    from ultralytics.engine.validator import BaseValidator
+
+    judge = SimpleNamespace(iouv=torch.tensor([0.5]))
+    rng = np.random.default_rng(7)
+    for found, true, ids in random_pictures(rng, 200, 2):
+        # Each a second time, a little beside.
+        twice = np.vstack([found.boxes, found.boxes + rng.normal(0, 2, found.boxes.shape)])
+        order = rng.permutation(len(twice))
+        boxes, said = twice.astype(np.float32)[order], np.tile(found.class_ids, 2)[order]
+        overlap = torch.from_numpy(box_iou(true, boxes))
+        theirs = BaseValidator.match_predictions(
+            judge, torch.from_numpy(said), torch.from_numpy(ids), overlap
+        )
+        ours = match_detections(boxes, said, true, ids)
+        np.testing.assert_array_equal(ours, theirs[:, 0].numpy())
 
 
 def test_precision_and_recall_by_hand():

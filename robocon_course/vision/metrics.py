@@ -91,11 +91,13 @@ def match_detections(
     true_ids: ArrayLike,
     min_iou: float = 0.5,
 ) -> NDArray[np.bool_]:
-    """Which detections of one picture are right: each true box is found once, by its best overlap.
+    """Which detections of one picture are right: each true box is found once, by the surest.
 
     Parameters
     ----------
     boxes : array_like, shape (n, 4)
+        The surest first, as `Detector.detect` gives them: it takes what it overlaps best of the
+        true boxes of its class that none before it has taken.
     class_ids : array_like, shape (n,)
     true_boxes : array_like, shape (m, 4)
     true_ids : array_like, shape (m,)
@@ -108,12 +110,12 @@ def match_detections(
     """
     ids, true_ids = np.asarray(class_ids), np.asarray(true_ids)
     overlap = box_iou(boxes, true_boxes) * (ids[:, None] == true_ids[None, :])
-    pairs = np.argwhere(overlap >= min_iou)
-    order = np.argsort(-overlap[pairs[:, 0], pairs[:, 1]], kind="stable")
-    hits, found = np.zeros(len(ids), bool), np.zeros(len(true_ids), bool)
-    for mine, true in pairs[order]:
-        if not hits[mine] and not found[true]:
-            hits[mine] = found[true] = True
+    hits = np.zeros(len(ids), bool)
+    for mine in np.flatnonzero((overlap >= min_iou).any(axis=1)):
+        true = int(overlap[mine].argmax())
+        if overlap[mine, true] >= min_iou:
+            hits[mine] = True
+            overlap[:, true] = 0.0  # taken
     return hits
 
 
@@ -180,9 +182,11 @@ def score_pictures(pictures: Sequence[tuple], classes: int, min_iou: float = 0.5
     scores, hits, ids = [np.empty(0)], [np.empty(0, bool)], [np.empty(0, np.int64)]
     truths = np.zeros(classes, np.int64)
     for found, true_boxes, true_ids in pictures:
-        scores.append(found.scores)
-        ids.append(found.class_ids)
-        hits.append(match_detections(found.boxes, found.class_ids, true_boxes, true_ids, min_iou))
+        order = np.argsort(-found.scores, kind="stable")
+        boxes, said = found.boxes[order], found.class_ids[order]
+        scores.append(found.scores[order])
+        ids.append(said)
+        hits.append(match_detections(boxes, said, true_boxes, true_ids, min_iou))
         truths += np.bincount(true_ids, minlength=classes)
     return Scored(np.concatenate(scores), np.concatenate(hits), np.concatenate(ids), truths)
 
