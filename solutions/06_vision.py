@@ -589,32 +589,33 @@ if training:
 #
 # `world.scores` are the scores of everything that *your* detector reported on a test set, and
 # `world.hits` says which of them were right; `world.truths` balls were there. At which threshold is
-# **F1** largest, the harmonic mean of precision $P$ and recall $R$? Try `world.thresholds()`; a score
-# counts if it is at least the threshold.
+# **F1** largest, the harmonic mean of precision $P$ and recall $R$? The smallest, if there are several.
 #
 # $$F_1 = \frac{2PR}{P + R}$$
+
+
+# %%
+def reported(threshold):
+    """How many of your detector's reports count at a threshold, and how many of those are right."""
+    counted = world.scores >= threshold - 1e-9
+    return np.count_nonzero(counted), np.count_nonzero(world.hits & counted)
+
+
+levels = world.thresholds()
+said, right = np.array([reported(level) for level in levels]).T
+shares = {"precision": right / np.where(said, said, np.nan), "recall": right / world.truths}
+show(
+    seeing.plot_thresholds(levels, shares),
+    f"Your own detector: with the threshold precision rises from {shares['precision'][0]:.2f}, and recall falls "
+    f"from {shares['recall'][0]:.2f}.",
+)
 
 # %% answer="vision.own_threshold"
 answer(
     "vision.own_threshold",
     ### BEGIN SOLUTION
-    max(world.thresholds(), key=world.f1),
+    levels[np.argmax(2 * right / (said + world.truths))],
     ### END SOLUTION
-)
-
-# %%
-levels = world.thresholds()
-counts = [world.scores >= level - 1e-9 for level in levels]
-right = np.array([np.count_nonzero(world.hits & c) for c in counts])
-shares = {
-    "precision": [r / c.sum() if c.any() else np.nan for r, c in zip(right, counts)],
-    "recall": right / world.truths,
-    "F1": np.array([world.f1(level) for level in levels]),
-}
-show(
-    seeing.plot_thresholds(levels, shares, levels[np.nanargmax(shares["F1"])]),
-    f"Your own detector: precision rises and recall falls with the threshold; F1 reaches {shares['F1'].max():.2f} "
-    "in between.",
 )
 
 # %% [markdown]
@@ -888,18 +889,16 @@ print("from the post, left to right:", ", ".join(silo_contents(silos)))
 # another is twice as large.
 
 # %%
-window = colour.COLOURS["red"]
+window = colour.COLOURS["blue"]
 strict = window._replace(loose_saturation=window.saturation, loose_value=window.value)
-dim = FieldCamera(seed=2, on=Film(exposure=0.08, noise=0.05))
-shiny = dim.look((1.7, 9.9, pi), tilt=0.45, balls=lying((1.05, 9.9, "red"))).image_bgr
-masks = [colour.colour_mask(shiny, w) for w in (strict, window)]
+dazzled = FieldCamera(seed=2, on=Film(noise=0.1, glare=(0.5, 0.5, 0.6)))
+pale = dazzled.look((1.7, 9.9, pi), tilt=0.45, balls=lying((1.05, 9.9, "blue"))).image_bgr
+masks = [colour.colour_mask(pale, w) for w in (strict, window)]
 grey = [np.repeat((255 * mask[..., None]).astype(np.uint8), 3, axis=2) for mask in masks]
 show(
-    seeing.gallery(
-        [shiny, *grey], titles=["picture", "strict pixels", "with hysteresis"], side=2.4
-    ),
-    f"A red ball in poor light, with shine and shade: {masks[0].sum()} strict pixels, {masks[1].sum()} with the loose ones that "
-    "touch them.",
+    seeing.gallery([pale, *grey], titles=["picture", "strict pixels", "with hysteresis"], side=2.2),
+    f"A blue ball under a lamp: {masks[0].sum() / 1000:.1f} thousand strict pixels, {masks[1].sum() / 1000:.1f} thousand "
+    "with the loose ones around them.",
 )
 
 # %% [markdown]
