@@ -24,6 +24,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+# %%
 from robocon_course import field, files, vision, worlds
 from robocon_course.exercises import answer, begin, check, robot_parts, running_as_test, status
 from robocon_course.simulator.camera import FieldCamera
@@ -397,6 +398,7 @@ def looked_at(image, min_score, max_iou):
     return ball_eye.with_parts(decode, suppress).detect(image, min_score=min_score)
 
 
+# %%
 non_max_suppression = vision.non_max_suppression  # the course's, until yours is written
 near = lying((1.0, 9.95, "red"), (0.85, 10.07, "blue"), (1.1, 9.6, "purple"), (0.8, 10.35, "red"))
 group = eye.look((2.0, 9.95, pi), tilt=0.4, balls=near).image_bgr
@@ -954,6 +956,7 @@ def called(image):
     return ", ".join(by_patch) or "nothing", seeing.count_words(found.class_ids)
 
 
+# %%
 lights = {"white": (1.0, 1.0, 1.0), "warm": (1.2, 1.0, 0.75), "very warm": (1.5, 1.0, 0.5)}
 views = {name: in_light(balance) for name, balance in lights.items()}
 for name, image in views.items():
@@ -1073,6 +1076,8 @@ rungs = {
     "noisy": Film(noise=0.03, blur=0.6, quality=70),
     "degraded": Film(noise=0.09, blur=1.5, motion=(3.0, 1.0), exposure=0.08, quality=40),
 }
+
+# %%
 plain_lens, ahead_of_us = Camera(distortion=0.0), lying((2.0, 9.9, "red"), (1.4, 10.3, "red"))
 taken = {
     name: FieldCamera(5, plain_lens, on)
@@ -1105,6 +1110,7 @@ def contents(parts, image):
     return parts.silo_contents(eye.detect(image))
 
 
+# %%
 results = {name: nearest(mine, image) for name, image in taken.items()}
 show(
     seeing.gallery(list(taken.values()), [f for f, _ in results.values()], titles=list(taken)),
