@@ -2,7 +2,7 @@
 
 The rooms, from the ground floor up; imports run downwards only:
 
-==================  =========================================================
+==================  ==========================================================
 ``files``           where the course's data and lessons lie
 ``geometry``        angles, poses in the plane, quaternions
 ``gridmap``         a bitmap with a place: metres <-> cells, ROS maps in and out
@@ -14,6 +14,7 @@ The rooms, from the ground floor up; imports run downwards only:
 ``swerve``          chapter 03: body twist -> four modules, and back
 ``planning``        chapter 04: obstacle map -> shortest way, and a new one on the way
 ``tracking``        chapter 05: path -> curvature, speed, velocity; PID
+``vision``          chapter 06: pictures drawn, networks trained and run, boxes -> places
 ``robot``           what autonomy and hardware agree on: Observation, Command
 ``simulator``       a robot on its field that needs no hardware
 ``worlds``          student number -> seed -> a robot of one's own
@@ -27,7 +28,7 @@ The rooms, from the ground floor up; imports run downwards only:
 ``desk``            a student's folder: make it, find it, begin a lesson anew
 ``doctor``          is this computer ready, and what mends it
 ``cli``             the command ``robocon``
-==================  =========================================================
+==================  ==========================================================
 
 Importing this package loads none of them.
 """

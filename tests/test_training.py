@@ -12,7 +12,9 @@ import cv2
 import numpy as np
 import pytest
 import yaml
+from typer.testing import CliRunner
 
+from robocon_course import cli
 from robocon_course.vision import pictures
 from robocon_course.vision.classes import CLASSES
 from robocon_course.vision.detection import WeightsError, letterbox, load_detector
@@ -194,3 +196,33 @@ def test_checkpoints_that_are_all_broken_are_said_to_be(data, tmp_path):
 def test_a_checkpoint_is_no_file_of_weights(trained):
     with pytest.raises(WeightsError, match=r"not a network"):
         load_detector(trained[1])
+
+
+# --- the command ----------------------------------------------------------------------------------
+
+
+def robocon(*arguments) -> tuple[int, str]:
+    done = CliRunner().invoke(cli.app, [str(a) for a in arguments], env={"COLUMNS": "200"})
+    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+    return done.exit_code, " ".join((done.output + done.stderr).split())
+
+
+def test_robocon_train_leaves_a_network_that_opens(data, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    line = "train", "ball", "--data", data, "--epochs", 1, "--image-size", 64, "--batch", 4
+    code, said = robocon(*line)
+    assert code == 0 and "run-ball/ball.onnx" in said and "mAP50" in said
+    assert load_detector(tmp_path / "run-ball" / "ball.onnx").size == 64
+    # Typed again it finds everything done.
+    assert robocon(*line)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("more", "rule"),
+    [((), "robocon dataset ball"), (("--epochs", 0), "at least 1"), (("--device", "3"), "cpu")],
+)
+def test_robocon_train_refuses_in_a_sentence(tmp_path, monkeypatch, more, rule):
+    monkeypatch.chdir(tmp_path)
+    code, said = robocon("train", "ball", *more)
+    assert code == 2 and rule in said
+    assert list(tmp_path.iterdir()) == []

@@ -112,7 +112,7 @@ def write_dataset(
             empty, done = empty + names, done + count
             if progress is not None:
                 progress(done, images)
-        about = {"path": ".", **{s: f"images/{s}" for s in SPLITS},
+        about = {**{s: f"images/{s}" for s in SPLITS},
                  "names": dict(enumerate(CLASSES[kind]))}  # fmt: skip
         (part / "data.yaml").write_text(yaml.safe_dump(about, sort_keys=False), encoding="utf-8")
         (part / "background.txt").write_text("".join(f"{n}\n" for n in empty), encoding="utf-8")
