@@ -349,15 +349,20 @@ box_iou = check("vision.box_iou")
 rng = np.random.default_rng(4)
 colours = rng.permutation(["red"] * 6 + ["purple"] * 10)
 pile = lying(*((x, y, str(name)) for (x, y), name in zip(field.PILE_BALLS, colours)))
-post = eye.look((2.75, 10.1, pi - 0.05), tilt=0.28, balls=[*pile, *lying((1.95, 9.85, "blue"))])
+post = eye.look((2.75, 10.1, pi - 0.05), tilt=0.4, balls=[*pile, *lying((2.05, 9.95, "blue"))])
 guesses = ball_eye.guesses(post.image_bgr)
 square, *_ = vision.letterbox(post.image_bgr, ball_eye.size)
 best = guesses[4:].max(axis=0)
+grids = [(ball_eye.size // stride) ** 2 for stride in looking.STRIDES]
+sure = [np.count_nonzero(part > 0.4) for part in np.split(best, np.cumsum(grids)[:-1])]
 show(
     looking.plot_places(square, best),
-    f"The pile with a blue ball in front, and how sure the network is at each of {best.size} places. Small balls answer in the fine "
-    f"grid, large ones in a coarser. {np.count_nonzero(best > 0.4)} places say more than 0.4.",
+    f"The pile with a blue ball in front, and how sure the network is at each of {best.size} places. More than 0.4 say "
+    f"{sure[0]} places of the fine grid, {sure[1]} of the middle and {sure[2]} of the coarse one.",
 )
+
+# %% [markdown]
+# A ball is seen from several places at once. The coarser a grid, the larger the things it is meant for.
 
 # %%
 surest = guesses[:, best.argmax()]
