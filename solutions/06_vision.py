@@ -100,7 +100,7 @@ wide_eye = FieldCamera(seed=2, camera=Camera(480, 270, 230.0))
 post_silo = wide_eye.look((4.2, 9.98, 0.0), tilt=0.05, silos=row, kind="silo")
 silos = silo_eye.detect(post_silo.image_bgr)
 show(
-    seeing.draw_picture(post_silo.image_bgr, silos, vision.SILOS),
+    seeing.draw_picture(post_silo.image_bgr, silos, vision.SILOS, width=5.4),
     f"A lens that sees {np.degrees(2 * np.arctan(240 / 230)):.0f}°. From left to right the silos are: "
     f"{seeing.silo_order(silos)}.",
 )
@@ -204,7 +204,7 @@ explore(draw_ball, ahead=(0.4, 1.6, 0.1, 0.9), left=(-0.6, 0.6, 0.1, 0.2), tilt_
 # a small one lies in the course. One text file for each picture holds a line a box. This is one of them:
 
 # %%
-print((balls / "labels/val/ball_000018.txt").read_text())
+print((balls / "labels/val/ball_000018.txt").read_text().strip())
 
 # %% [markdown]
 # Class, middle x, middle y, width, height. The last four are *shares* of the picture's width and
@@ -702,7 +702,7 @@ if training:
     titles.append("your own, some minutes old")
     results.append(vision.load_detector(own_file).detect(scene, min_score=0.25))
 show(
-    seeing.gallery([scene] * len(results), results, titles=titles, across=2, side=3.6),
+    seeing.gallery([scene] * len(results), results, titles=titles, across=len(results), side=3.2),
     f"Five balls. The course's network reports {seeing.count_words(results[0].class_ids)}; a young one finds some "
     "of them, or none yet.",
 )
