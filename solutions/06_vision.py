@@ -75,7 +75,7 @@ strewn = lying(
 # %%
 images, reports, words, ranges = [], [], [], []
 for x in np.linspace(3.0, 1.9, 8):
-    image = eye.look((x, 9.9, pi), tilt=0.3, balls=strewn).image_bgr
+    image, true_boxes, _ = eye.look((x, 9.9, pi), tilt=0.3, balls=strewn)
     seen = ball_eye.detect(image)
     target, caption = vision.nearest_own_ball(seen, "red"), "no red ball"
     if target is not None:
@@ -85,7 +85,7 @@ for x in np.linspace(3.0, 1.9, 8):
     images, reports, words = [*images, image], [*reports, seen], [*words, caption]
 show(
     looking.film(images, reports, words),
-    f"Every ball gets a box and a score, {len(reports[-1].scores)} of {len(strewn)} in the last picture. The "
+    f"Every ball gets a box and a score, {len(reports[-1].scores)} of {len(true_boxes)} in the last picture. The "
     f"nearest red one comes from {ranges[0]:.1f} m to {ranges[-1]:.1f} m.",
 )
 
@@ -995,7 +995,7 @@ show(
 # **Glare.** A lamp shines into the lens; its veil washes colours out.
 
 # %%
-bright = [in_light((1.0, 1.0, 1.0), strength) for strength in (0.0, 1.0, 4.0)]
+bright = [in_light((1.0, 1.0, 1.0), strength) for strength in (0.0, 4.0, 12.0)]
 found = [ball_eye.detect(image) for image in bright]
 kinds = ["none", "some glare", "much glare"]
 show(
