@@ -85,8 +85,8 @@ for x in np.linspace(3.0, 1.9, 8):
     images, reports, words = [*images, image], [*reports, seen], [*words, caption]
 show(
     looking.film(images, reports, words),
-    f"Every ball gets a box and a score, {len(reports[-1].scores)} of {len(true_boxes)} in the last picture. The "
-    f"nearest red one comes from {ranges[0]:.1f} m to {ranges[-1]:.1f} m.",
+    f"Every ball gets a box and a score: {len(reports[-1].scores)} boxes in the last picture, where {len(true_boxes)} "
+    f"balls are in view. The nearest red one comes from {ranges[0]:.1f} m to {ranges[-1]:.1f} m.",
 )
 
 # %% [markdown]
