@@ -17,6 +17,7 @@ import copy
 import hashlib
 import os
 import re
+import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterator
@@ -66,6 +67,7 @@ def build_lesson(path: Path, *, check: bool = False) -> list[str]:
         if not check:
             write_notebook(student_notebook(source), student)
             with tempfile.TemporaryDirectory() as workspace:
+                _bring_files(source, path.parent, Path(workspace))
                 write_notebook(executed_notebook(source, Path(workspace)), solved)
         return check_lesson(source, student, solved)
     except LessonError as error:
@@ -146,6 +148,15 @@ def executed_notebook(source: NotebookNode, workspace: Path) -> NotebookNode:
         cell.metadata.pop("execution", None)
     notebook.metadata = copy.deepcopy(source.metadata)
     return notebook
+
+
+def _bring_files(source: NotebookNode, folder: Path, workspace: Path) -> None:
+    """Files that the exercises ask for: from beside the solution to beside the notebook."""
+    for cell in source.cells:
+        known = registry.exercises().get(cell.metadata.get("robocon", {}).get("exercise", ""))
+        file = getattr(known, "file", None)
+        if file and (folder / file).is_file():
+            shutil.copy2(folder / file, workspace / file)
 
 
 def write_notebook(notebook: NotebookNode, path: Path) -> None:

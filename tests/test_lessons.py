@@ -461,6 +461,26 @@ def test_a_solved_lesson_is_run_away_from_the_maintainers_own_robot(tmp_path, wo
     assert not workspace.exists()
 
 
+def test_a_file_that_an_exercise_asks_for_is_taken_from_beside_its_solution(tmp_path):
+    folder = tmp_path / "solutions"
+    folder.mkdir()
+    (tmp_path / "notebooks").mkdir()
+    (folder / "ball.onnx").write_text("a network")
+    text = LESSON.replace("start.wrap_angle", "vision.find_balls").split("# %% check")[0]
+    text += """
+# %%
+print("it holds", open("ball.onnx").read())
+check = lambda name: None
+
+# %% check="vision.find_balls"
+check("vision.find_balls")
+"""
+    (folder / "06_vision.py").write_text(text, encoding="utf-8")
+    lessons.build_lesson(folder / "06_vision.py")
+    solved = nbformat.read(folder / "06_vision.ipynb", as_version=4)
+    assert "it holds a network" in [o.text.strip() for o in solved.cells[2].outputs]
+
+
 def test_a_lesson_that_raises_is_not_written_and_says_where(tmp_path):
     path = tmp_path / "00_start.py"
     path.write_text(LESSON, encoding="utf-8")  # nothing imports check

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from robocon_course.view import canvas, seeing
-from robocon_course.vision import SILOS, Detections, Sighting
+from robocon_course.vision import SILOS, Detections
 
 IMAGE = np.full((60, 80, 3), 120, np.uint8)
 FOUND = Detections(
@@ -62,13 +61,6 @@ def test_curves_leave_out_what_was_not_measured():
     assert loss.lines[0].get_ydata().tolist() == [9.0, 6.0, 3.0]
     assert score.lines[0].get_xdata().tolist() == [1.0, 3.0]
     assert len(seeing.plot_losses(run).axes[0].lines) == 2
-
-
-def test_balls_to_the_left_are_drawn_on_the_left():
-    left = Sighting(0.3, 2.0, 0.01, 0.1)
-    fig = seeing.plot_sightings({"by size": [left]}, ["red"], [(0.3, 2.0)])
-    x, y = fig.axes[0].lines[0].get_xydata()[0]
-    assert x == pytest.approx(-2 * np.sin(0.3)) and y == pytest.approx(2 * np.cos(0.3))
 
 
 def test_words_for_counts_and_orders():

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 import socket
 import subprocess
 import sys
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -15,7 +15,7 @@ import yaml
 from typer.testing import CliRunner
 
 from robocon_course import cli
-from robocon_course.vision import pictures
+from robocon_course.vision import curves, pictures
 from robocon_course.vision.classes import CLASSES
 from robocon_course.vision.detection import WeightsError, letterbox, load_detector
 
@@ -66,10 +66,29 @@ def test_every_epoch_is_told_once_with_a_finite_loss(trained):
 
 def test_the_history_has_a_row_an_epoch(trained):
     run, _, told = trained
-    curves = training.history(run)
-    assert curves["epoch"].tolist() == [1, 2, 3]
-    total = curves["box"] + curves["class"] + curves["dfl"]
+    found = training.history(run)
+    assert found["epoch"].tolist() == [1, 2, 3]
+    total = found["box"] + found["class"] + found["dfl"]
     np.testing.assert_allclose(total, [one.loss for one in told], rtol=1e-3)
+
+
+def test_an_epoch_that_was_not_validated_has_no_figures(tmp_path):
+    head = ",".join(curves.COLUMNS.values())
+    lines = [
+        "1,5,1,1,1,0,0,0,0,0,0,0",
+        "2,9,1,1,1,.5,.5,.5,.5,2,2,2",
+        "3,12,1,1,1,.5,.5,.5,.5,2,2,2",
+        "4,20,1,1,1,.5,.5,.6,.5,2,2,2",
+        "5,21,1,1",
+    ]
+    (tmp_path / "results.csv").write_text("\n".join([head, *lines]))
+    found = training.history(tmp_path)
+    # The last line is still being written.
+    assert found["epoch"].tolist() == [1, 2, 3, 4]
+    np.testing.assert_array_equal(found["map50"], [np.nan, 0.5, np.nan, 0.6])
+    assert [one.seconds for one in curves.new_epochs(tmp_path, 2, 4)] == [12, 20]
+    curves.forget_after(tmp_path, 2)
+    assert training.history(tmp_path)["epoch"].tolist() == [1, 2]
 
 
 def test_the_same_seed_gives_the_same_losses_and_another_seed_others(trained, data, tmp_path):
@@ -90,37 +109,39 @@ def test_a_finished_run_is_left_as_it_is(trained, data):
 
 
 KILLED = """
-import sys
+import os, signal, sys
+from pathlib import Path
 from robocon_course.vision import training
-def told(epoch):
-    print(epoch.number, flush=True)
-training.train("ball", sys.argv[1], sys.argv[2], epochs=40, image_size=64, batch=4, progress=told)
+
+write, written = Path.write_bytes, []
+
+def half_written(self, data):
+    written.append(self.name.startswith("last.pt"))
+    if sum(written) == 4:
+        write(self, data[: len(data) // 2])
+        os.kill(os.getpid(), signal.SIGKILL)
+    return write(self, data)
+
+Path.write_bytes = half_written
+training.train("ball", sys.argv[1], sys.argv[2], epochs=6, image_size=64, batch=4)
 """
 
 
-def test_a_killed_run_goes_on_after_its_last_whole_epoch(data, tmp_path):
-    run = tmp_path / "killed"
-    command = [sys.executable, "-c", KILLED, str(data), str(run)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
-        for line in child.stdout:
-            if int(line) == 3:
-                child.send_signal(signal.SIGKILL)
-                break
-    # And the kill came while the newest checkpoint was being written.
-    last = run / "weights" / "last.pt"
-    last.write_bytes(last.read_bytes()[: last.stat().st_size // 2])
-    numbers = []
-
-    # Three epochs are enough to see where it goes on.
-    def stop(epoch):
-        numbers.append(epoch.number)
-        if len(numbers) == 2:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        training.train("ball", data, run, progress=stop)
-    assert numbers[0] in (2, 3, 4) and numbers[1] == numbers[0] + 1
-    assert numbers[0] > 1
+def test_a_run_killed_while_it_writes_its_checkpoint_loses_one_epoch(data, tmp_path):
+    run, told = tmp_path / "killed", []
+    done = subprocess.run([sys.executable, "-c", KILLED, str(data), str(run)])
+    assert done.returncode == -signal.SIGKILL
+    # The fourth epoch's figures are written, its checkpoint is not.
+    assert training.history(run)["epoch"].tolist() == [1, 2, 3, 4]
+    # It goes on with its own settings, whatever this call would have begun with.
+    last = training.train("ball", data, run, epochs=99, image_size=96, progress=told.append)
+    assert [(one.number, one.of) for one in told] == [(4, 6), (5, 6), (6, 6)]
+    found = training.history(run)
+    assert found["epoch"].tolist() == [1, 2, 3, 4, 5, 6]
+    assert (np.diff(found["seconds"]) > 0).all()
+    assert sorted(path.name for path in last.parent.iterdir()) == ["best.pt", "last.pt"]
+    assert training.export(last, tmp_path / "own.onnx").is_file()
+    assert load_detector(tmp_path / "own.onnx").size == 64
 
 
 def test_the_exported_network_answers_as_the_trained_one(trained, tmp_path):
@@ -131,6 +152,7 @@ def test_the_exported_network_answers_as_the_trained_one(trained, tmp_path):
     _, last, _ = trained
     path = training.export(last, tmp_path / "ball.onnx", 64)
     assert path.stat().st_size < 13_000_000
+    assert b"data.yaml" not in path.read_bytes()  # whose folder it was trained in is not told
     detector = load_detector(path)
     assert detector.names == CLASSES["ball"] and detector.size == 64
     tensor, *_ = letterbox(pictures.picture("ball", 4, 0).image_bgr, 64)
@@ -147,23 +169,60 @@ def test_another_run_can_be_the_start(trained, data, tmp_path):
     assert begun != training.history(trained[0])["box"][0]
 
 
-def test_several_gpus_would_find_our_trainer(data, tmp_path):
-    """Ultralytics starts one process a GPU with a file that imports the trainer by name."""
-    import torch
+def test_processes_for_gpus_find_our_trainer_and_are_told_of(data, tmp_path, monkeypatch):
+    """Where Ultralytics would start one process a GPU, one starts here, on the CPU."""
+    from ultralytics.engine import trainer as theirs
     from ultralytics.utils.dist import generate_ddp_file
 
-    trainer = training.Trainer(overrides={"model": training.RECIPE, "data": str(data / "data.yaml"),
-                                          "device": "cpu", "project": str(tmp_path)})  # fmt: skip
-    script = Path(generate_ddp_file(trainer))
-    kept = script.with_suffix(".pt")
-    try:
-        state = torch.load(kept, weights_only=False)
-        again = state["trainer"](overrides=state["args"], _callbacks=state["callbacks"])
-    finally:
-        script.unlink()
-        kept.unlink()
-    assert type(again) is training.Trainer
-    assert again.args.data == trainer.args.data
+    def command(trainer):
+        shutil.rmtree(trainer.save_dir)  # as Ultralytics does
+        file = generate_ddp_file(trainer)
+        return [sys.executable, file], file
+
+    def in_processes(self, *settings):
+        self.ddp = True
+        report(self, *settings)
+
+    report, told = training.Trainer.report, []
+    monkeypatch.setattr(training.Trainer, "report", in_processes)
+    monkeypatch.setattr(theirs, "generate_ddp_command", command)
+    asked = {"epochs": 3, "validate_every": 2, "progress": told.append}
+    last = training.train("ball", data, tmp_path / "run", **asked, **SMALL)
+    assert [one.number for one in told] == [1, 2, 3]
+    assert last.is_file()
+    # The network is ours there, too, and validated as seldom as was asked.
+    assert type(training.YOLO(last).model).__name__ == "Network"
+    measured = np.isfinite(training.history(tmp_path / "run")["map50"])
+    assert measured.tolist() == [False, True, True]
+
+
+def test_an_error_in_the_processes_is_said(data, tmp_path, monkeypatch):
+    def failing(self):
+        raise subprocess.CalledProcessError(1, "training")
+
+    monkeypatch.setattr(training.Trainer, "train", failing)
+    with pytest.raises(training.TrainingError, match="GPUs cpu ended in an error"):
+        training.train("ball", data, tmp_path / "run", epochs=1, **SMALL)
+
+
+def test_half_precision_gives_nearly_the_same_losses(monkeypatch):
+    import torch
+    from ultralytics.utils import DEFAULT_CFG
+
+    from robocon_course.vision import trainer
+
+    if not trainer.has_bfloat16():
+        pytest.skip("this processor does not multiply bfloat16")
+    torch.manual_seed(0)
+    network = trainer.Network(training.RECIPE, nc=3, ch=3, verbose=False).train()
+    network.args = DEFAULT_CFG
+    batch = {"img": torch.rand(4, 3, 64, 64), "batch_idx": torch.arange(4.0),
+             "cls": torch.zeros(4, 1), "bboxes": torch.full((4, 4), 0.5)}  # fmt: skip
+    half = [float(v) for v in network.loss(batch)[1].values()]
+    monkeypatch.setattr(trainer, "has_bfloat16", lambda: False)
+    full = [float(v) for v in network.loss(batch)[1].values()]
+    assert half != full
+    np.testing.assert_allclose(half, full, rtol=0.03)
 
 
 @pytest.mark.parametrize(
@@ -176,6 +235,11 @@ def test_several_gpus_would_find_our_trainer(data, tmp_path):
         ({"device": "7"}, "--device cpu"),
         ({"kind": "silo"}, "not those of 'silo'"),
         ({"data": "nowhere"}, "robocon dataset"),
+        ({"device": "0,0"}, "--device cpu"),
+        ({"device": "gpu"}, "--device cpu"),
+        ({"validate_every": 0}, "at least 1"),
+        ({"start_from": "nowhere.pt"}, "start_from: give the last.pt"),
+        ({"start_from": __file__}, "start_from: give the last.pt"),
     ],
 )
 def test_what_cannot_be_trained_is_refused(data, tmp_path, change, rule):
@@ -184,6 +248,49 @@ def test_what_cannot_be_trained_is_refused(data, tmp_path, change, rule):
     with pytest.raises((ValueError, training.TrainingError), match=rule):
         training.train(kind, folder, run, **asked)
     assert not (tmp_path / "run").exists()
+
+
+def test_a_folder_with_other_things_is_not_trained_in(data, tmp_path):
+    (tmp_path / "letter.txt").write_text("dear reader")
+    for run, rule in ((tmp_path, "new or empty"), (data, "holds the data"), (data.parent, "holds")):
+        with pytest.raises(training.TrainingError, match=rule):
+            training.train("ball", data, run, epochs=1, **SMALL)
+    with pytest.raises(training.TrainingError, match="is a file"):
+        training.train("ball", data, tmp_path / "letter.txt", epochs=1, **SMALL)
+    assert (tmp_path / "letter.txt").read_text() == "dear reader"
+
+
+def test_a_finished_run_is_not_trained_for_longer_nor_for_other_classes(trained, data):
+    run, *_ = trained
+    with pytest.raises(
+        training.TrainingError, match=r"after its 3 epochs; .*start from .*last\.pt"
+    ):
+        training.train("ball", data, run, epochs=4, **SMALL)
+    with pytest.raises(training.TrainingError, match="not of 'silo'"):
+        training.train("silo", data, run, epochs=3, **SMALL)
+
+
+def test_a_data_set_without_its_pictures_is_refused_and_what_it_would_run_is_not(data, tmp_path):
+    about = yaml.safe_load((data / "data.yaml").read_text())
+    about |= {"download": f"open({str(tmp_path / 'ran')!r}, 'w')", "train": "images/nothing"}
+    (tmp_path / "data.yaml").write_text(yaml.safe_dump(about))
+    with pytest.raises(training.TrainingError, match="no pictures are there"):
+        training.train("ball", tmp_path, tmp_path / "run", epochs=1, **SMALL)
+    asked = training.Trainer(overrides={"model": training.RECIPE, "data": str(data / "data.yaml"),
+                                        "device": "cpu", "project": str(tmp_path)})  # fmt: skip
+    asked.args.data = str(tmp_path / "data.yaml")
+    about["val"] = "images/nothing"
+    (tmp_path / "data.yaml").write_text(yaml.safe_dump(about))
+    with pytest.raises(RuntimeError):
+        asked.get_dataset()
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("text", ["", "names: 3", "[1, 2]", "{", "names: [blue, purple, red]"])
+def test_a_data_yaml_that_is_none_is_refused(tmp_path, text):
+    (tmp_path / "data.yaml").write_text(text)
+    with pytest.raises(training.TrainingError, match="no description of a data set"):
+        training.train("ball", tmp_path, tmp_path / "run", epochs=1, **SMALL)
 
 
 def test_checkpoints_that_are_all_broken_are_said_to_be(data, tmp_path):
@@ -212,6 +319,7 @@ def test_robocon_train_leaves_a_network_that_opens(data, tmp_path, monkeypatch):
     line = "train", "ball", "--data", data, "--epochs", 1, "--image-size", 64, "--batch", 4
     code, said = robocon(*line)
     assert code == 0 and "run-ball/ball.onnx" in said and "mAP50" in said
+    assert "epoch 1 of 1: loss" in said
     assert load_detector(tmp_path / "run-ball" / "ball.onnx").size == 64
     # Typed again it finds everything done.
     assert robocon(*line)[0] == 0

@@ -122,6 +122,9 @@ def test_a_network_that_is_only_poor_is_told_no_fault():
     for student in (7, 8, 9):
         verdict = judge(FIND_BALLS, ask_function(seen_through(student, 0.45)), student)
         assert (verdict.mistake, verdict.points < 4) == ("", True)
+        cases = FIND_BALLS.cases(student, worlds.generator(student, FIND_BALLS.id, "public"))
+        poor = seen_through(student, 0.45)
+        assert [case.traits(poor(*case.args)) for case in cases] == ["", "", ""]
 
 
 @pytest.mark.parametrize("fault", symptoms.FAULTS, ids=lambda fault: fault.name)

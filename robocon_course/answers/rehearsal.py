@@ -36,6 +36,7 @@ def run(cells: list[str], student: int | str, references: dict[str, str]) -> lis
     doubles = types.ModuleType("robocon_course.exercises")
     doubles.begin = lambda *_, **__: student
     doubles.check = check
+    doubles.running_as_test = lambda: True  # what a lesson cuts short for a test is of no use here
     doubles.answer = lambda exercise_id, value, *_: handed_in.append((exercise_id, value))
     for name in ("hint", "status", "robot_parts"):
         setattr(doubles, name, lambda *_, **__: None)

@@ -100,16 +100,23 @@ def train(
         with _bar("epochs") as bar:
             task = bar.add_task("starting", total=epochs)
 
-            def told(epoch: training.Epoch) -> None:
+            def show(epoch: training.Epoch) -> None:
+                if not bar.console.is_terminal:  # a log keeps a line an epoch
+                    bar.console.print(epoch.in_words(), soft_wrap=True)
                 score = "" if epoch.map50 != epoch.map50 else f", mAP50 {epoch.map50:.3f}"
                 said = f"loss {epoch.loss:.2f}{score}"
                 bar.update(task, completed=epoch.number, total=epoch.of, description=said)
 
             last = training.train(
                 kind, data, run, epochs=epochs, image_size=image_size, batch=batch, seed=seed,
-                device=device, start_from=start_from, progress=told,
+                device=device, start_from=start_from, progress=show,
             )  # fmt: skip
-        weights = training.export(last, run / f"{kind}.onnx", image_size)
-        curves = training.history(run)
-    seen = f"mAP50 {curves['map50'][-1]:.3f} on its validation pictures"
-    console.print(f"✔ {escape(str(weights))}: {seen}", soft_wrap=True)
+        weights = training.export(last, run / f"{kind}.onnx")
+        score = training.history(run)["map50"][-1]
+        told = f"✔ {escape(str(weights))}: mAP50 {score:.3f} on its validation pictures"
+        console.print(told, soft_wrap=True)
+        if (data / "images" / "test").is_dir():
+            from robocon_course.vision.evaluation import evaluate
+
+            each = [f"{name} {ap:.3f}" for name, ap in evaluate(weights, data).items()]
+            console.print(f"  test pictures, class by class: {', '.join(each)}", soft_wrap=True)

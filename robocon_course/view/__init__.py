@@ -2,9 +2,10 @@
 
 ``canvas`` holds the style and what shows a figure; ``plots``, ``motion``, ``runs`` and ``tracking``
 the plots of the chapters, ``field_picture`` the field with robots (``body``) and paths on it,
-``searching`` maps, ways and how a search went. ``comparison`` is the picture of a wrong answer,
-``pictures`` the three big drawings, ``widgets`` the sliders, and ``driving`` a robot under one's
-own hands.
+``searching`` maps, ways and how a search went. ``seeing`` draws pictures with boxes and how good
+a detector is, ``looking`` films, places, and balls from above. ``comparison`` is the picture of a
+wrong answer, ``pictures`` the three big drawings, ``widgets`` the sliders, and ``driving`` a robot
+under one's own hands.
 """
 
 from robocon_course.view.animation import animate

@@ -58,7 +58,7 @@ def gallery(
     *,
     titles: Sequence[str] = (),
     across: int = 3,
-    side: float = 2.6,
+    side: float = 2.3,
 ) -> Figure:
     """Several pictures side by side, each with what was found in it.
 

@@ -12,6 +12,10 @@
 ``pictures``   a picture and its boxes, by seed and number
 ``dataset``    thousands of them on disk, and what is wrong with a data set
 ``training``   networks from data sets (needs the extra "vision")
+``trainer``    what it changes in Ultralytics
+``onnx_file``  a trained network as a file
+``curves``     what a training writes after each epoch
+``evaluation`` how good a network is on a data set
 ``detection``  networks run on pictures
 ``metrics``    how good they are
 ``locate``     from boxes to bearings, ranges, contents

@@ -30,6 +30,8 @@ MAX_IOU = 0.7
 """Two boxes of one class that share more than this are one thing seen twice."""
 MOST = 300
 """How many boxes of one picture are kept at most."""
+LEAST_SCORE = 0.05
+"""Below this a report is of no use even for a mean over all thresholds."""
 GREY = 114
 """What the letterbox is filled with."""
 LARGEST_FILE = 13_000_000
@@ -293,7 +295,9 @@ def load_detector(weights: str | Path) -> Detector:
 
 
 def find_balls(images: NDArray[np.uint8]) -> list[Detections]:
-    """The balls in some pictures, by the course's own network.
+    """The balls in some pictures, by the course's own network, the unsure ones among them.
+
+    What a network is sure of is for its user to say; mAP looks at every score.
 
     Parameters
     ----------
@@ -306,7 +310,7 @@ def find_balls(images: NDArray[np.uint8]) -> list[Detections]:
         One for each picture.
     """
     detector = load_detector("ball")
-    return [detector.detect(image) for image in images]
+    return [detector.detect(image, min_score=LEAST_SCORE) for image in images]
 
 
 @cache

@@ -1,8 +1,7 @@
 """How good a detector is: overlap, precision and recall, average precision, confusion.
 
 Source: average precision as in the COCO evaluation and Ultralytics 8.4: precision made falling,
-read at 101 recalls from 0 to 1, integrated by the trapezoidal rule. Of several detections of one
-true box the surest counts as right, as there.
+read at 101 recalls from 0 to 1, integrated by the trapezoidal rule.
 """
 
 from __future__ import annotations
@@ -92,12 +91,13 @@ def match_detections(
     true_ids: ArrayLike,
     min_iou: float = 0.5,
 ) -> NDArray[np.bool_]:
-    """Which detections of one picture are right: the surest one that finds a true box has it.
+    """Which detections of one picture are right: each true box is found once, by the surest.
 
     Parameters
     ----------
     boxes : array_like, shape (n, 4)
-        The surest first, as `Detections` has them.
+        The surest first, as `Detector.detect` gives them: it takes what it overlaps best of the
+        true boxes of its class that none before it has taken.
     class_ids : array_like, shape (n,)
     true_boxes : array_like, shape (m, 4)
     true_ids : array_like, shape (m,)
@@ -107,16 +107,15 @@ def match_detections(
     Returns
     -------
     ndarray of bool, shape (n,)
-        A second box on a ball is a mistake even if it fits better: the first was already believed.
     """
     ids, true_ids = np.asarray(class_ids), np.asarray(true_ids)
     overlap = box_iou(boxes, true_boxes) * (ids[:, None] == true_ids[None, :])
     hits = np.zeros(len(ids), bool)
     for mine in np.flatnonzero((overlap >= min_iou).any(axis=1)):
-        true = overlap[mine].argmax()
+        true = int(overlap[mine].argmax())
         if overlap[mine, true] >= min_iou:
             hits[mine] = True
-            overlap[:, true] = -1.0
+            overlap[:, true] = 0.0  # taken
     return hits
 
 
@@ -183,9 +182,9 @@ def score_pictures(pictures: Sequence[tuple], classes: int, min_iou: float = 0.5
     scores, hits, ids = [np.empty(0)], [np.empty(0, bool)], [np.empty(0, np.int64)]
     truths = np.zeros(classes, np.int64)
     for found, true_boxes, true_ids in pictures:
-        order = np.argsort(-np.asarray(found.scores), kind="stable")
-        boxes, said = np.asarray(found.boxes)[order], np.asarray(found.class_ids)[order]
-        scores.append(np.asarray(found.scores)[order])
+        order = np.argsort(-found.scores, kind="stable")
+        boxes, said = found.boxes[order], found.class_ids[order]
+        scores.append(found.scores[order])
         ids.append(said)
         hits.append(match_detections(boxes, said, true_boxes, true_ids, min_iou))
         truths += np.bincount(true_ids, minlength=classes)
