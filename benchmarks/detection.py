@@ -23,7 +23,7 @@ import numpy as np
 from robocon_course import files
 from robocon_course.vision import load_detector
 from robocon_course.vision.pictures import picture
-from robocon_course.vision.training import YOLO, DetectionModel, ensure_torchvision
+from robocon_course.vision.trainer import YOLO, DetectionModel, ensure_torchvision
 
 COUNT, REPEATS, PAUSE = 20, 60, 0.05
 

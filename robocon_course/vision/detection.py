@@ -359,6 +359,9 @@ def _open(data: bytes, path: Path) -> Detector:
 
     options = onnxruntime.SessionOptions()
     options.log_severity_level = 4
+    # Threads wait for work by spinning, for long, and take a core from whatever else the robot does
+    # and from this network's own other thread. So short a wait costs little when nothing else runs.
+    options.add_session_config_entry("session.intra_op.spin_duration_us", "20")
     try:
         session = onnxruntime.InferenceSession(data, options, providers=["CPUExecutionProvider"])
         noted = session.get_modelmeta().custom_metadata_map.get("names", "{}")
