@@ -391,6 +391,7 @@ def test_what_was_not_accepted_is_the_courses_from_its_check_onwards():
 def test_the_rehearsals_doubles_stand_for_every_name_a_notebook_imports(monkeypatch):
     monkeypatch.setitem(sys.modules, "robocon_course.exercises", exercises)
     monkeypatch.setattr(rehearsal, "_draw_nothing", lambda: None)
+    monkeypatch.setattr(rehearsal, "_train_nothing", lambda: None)
     rehearsal.run([], 0, {})
     doubles = sys.modules["robocon_course.exercises"]
     assert set(exercises.__all__) <= set(vars(doubles))

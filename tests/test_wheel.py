@@ -100,7 +100,8 @@ def test_the_wheel_holds_lessons_data_and_types(wheel):
 def test_the_wheel_holds_nothing_of_a_student_and_no_tests(wheel):
     names = zipfile.ZipFile(wheel).namelist()
     assert {name.split("/")[0] for name in names if ".dist-info/" not in name} == {"robocon_course"}
-    for part in ("my_robot", ".kept-", ".ipynb_checkpoints", "__pycache__", "/test", "solutions"):
+    tests = "/tests/", "/test_", "conftest"
+    for part in ("my_robot", ".kept-", ".ipynb_checkpoints", "__pycache__", "solutions", *tests):
         assert not [name for name in names if part in name], part
 
 

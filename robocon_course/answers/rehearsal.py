@@ -42,8 +42,7 @@ def run(cells: list[str], student: int | str, references: dict[str, str]) -> lis
         setattr(doubles, name, lambda *_, **__: None)
     sys.modules["robocon_course.exercises"] = doubles
     _draw_nothing()
-    for name in ("torch", "ultralytics"):
-        sys.modules[name] = None  # no number needs a training, and there is no time for one
+    _train_nothing()
     last = max((k for k, cell in enumerate(cells) if "answer(" in cell), default=-1)
     for cell in cells[: last + 1]:  # what follows hands nothing in, and may listen for ever
         try:
@@ -60,3 +59,9 @@ def _draw_nothing() -> None:
         pass
 
     view.show = view.explore = view.canvas.show = view.widgets.explore = nothing
+
+
+def _train_nothing() -> None:
+    """No number needs a training, and there is no time for one."""
+    for name in ("torch", "ultralytics"):
+        sys.modules[name] = None
