@@ -33,7 +33,7 @@ def dataset(
         Path | None, typer.Option(help="Folder to make; default data-KIND here.")
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(help="Processes, 150 MB each; default one a core, at most 3.")
+        int | None, typer.Option(help="Processes, 160 MB each; default one a core, at most 2.")
     ] = None,
     check: Annotated[
         Path | None, typer.Option(help="Draw nothing: look for problems in this data set.")

@@ -54,8 +54,8 @@ QUALITY = 92
 CHUNK = 20
 """Pictures a worker draws at a time."""
 FEWEST = 10
-MOST_WORKERS = 3
-"""That start by themselves: each needs about 150 MB, and all together shall stay below 500 MB."""
+MOST_WORKERS = 2
+"""That start by themselves: each needs 160 MB, and all together shall stay below 500 MB."""
 FORSAKEN = 600.0
 """A half-drawn folder untouched for so long belongs to a run that was killed [s]."""
 
@@ -88,7 +88,7 @@ def write_dataset(
     size : (int, int), optional  [pixels]
         Width and height; left out, shapes are mixed (4:3, 16:9, square).
     workers : int, optional
-        Processes, 150 MB each; left out, one a core, but three at most.
+        Processes, 160 MB each; left out, one a core, but two at most.
     progress : callable, optional
         Called with the pictures drawn so far and all.
 
