@@ -19,6 +19,7 @@ from typing import Any
 import cv2
 import numpy as np
 import yaml
+from PIL import Image
 
 from robocon_course.vision.curves import Epoch, TrainingError, new_epochs
 
@@ -39,7 +40,7 @@ os.environ.setdefault("YOLO_CONFIG_DIR", str(_own_folder()))
 Path(os.environ["YOLO_CONFIG_DIR"]).mkdir(parents=True, exist_ok=True)
 
 # And it leaves other people's settings as it likes them: they are put back below.
-_printing, _threads = np.get_printoptions(), cv2.getNumThreads()
+_printing, _threads, _open = np.get_printoptions(), cv2.getNumThreads(), Image.open
 
 import torch  # noqa: E402
 from ultralytics import YOLO  # noqa: E402
@@ -50,6 +51,7 @@ from ultralytics.utils.torch_utils import strip_optimizer  # noqa: E402
 
 np.set_printoptions(**_printing)
 cv2.setNumThreads(_threads)
+Image.open = _open
 
 __all__ = ["RECIPE", "YOLO", "Network", "Trainer", "ensure_torchvision", "read_checkpoint", "torch"]
 
