@@ -17,7 +17,7 @@ import yaml
 from typer.testing import CliRunner
 
 from robocon_course import cli
-from robocon_course.vision import dataset, sheet
+from robocon_course.vision import dataset, inspection, sheet
 from robocon_course.vision.classes import BALLS, CLASSES
 from robocon_course.vision.dataset import (
     DatasetError,
@@ -220,6 +220,20 @@ def test_a_background_picture_is_no_fault_and_a_forgotten_label_is(mine):
     assert check_dataset(mine) == []
 
 
+def test_a_torn_jpeg_is_told_even_where_the_decoder_fills_it_up(tmp_path, monkeypatch):
+    filled = np.zeros((4, 4, 3), np.uint8)
+    monkeypatch.setattr(cv2, "imdecode", lambda *_: filled)
+    head, scan, end = b"\xff\xd8 \xff\xd8 thumbnail \xff\xd9", b"\xff\xda light", b"\xff\xd9"
+    path = tmp_path / "a.jpg"
+    for data, whole in (
+        (head + scan, False),
+        (head + scan + end, True),
+        (head + scan + end + b"more", True),
+    ):
+        path.write_bytes(data)
+        assert (inspection.read_picture(path) is filled) == whole
+
+
 def test_a_folder_without_a_description_is_refused(mine):
     (mine / "data.yaml").unlink()
     for look in (check_dataset, dataset.read_names, contact_sheet):
@@ -331,8 +345,8 @@ def test_a_script_without_its_main_guard_is_told_so(tmp_path):
         "write_dataset('ball', 'set', 40, size=(32, 32), workers=2)\n"
     )
     done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 1 and "DatasetError" in done.stderr
-    assert "__main__" in done.stderr.splitlines()[-1]
+    told = [line for line in done.stderr.splitlines() if "DatasetError: " in line]
+    assert done.returncode == 1 and len(told) == 1 and "__main__" in told[0]
     assert list(tmp_path.iterdir()) == [script]
 
 

@@ -113,9 +113,6 @@ def write_dataset(
     _check_order(kind, images, seed, size, workers)
     part = _room(folder)
     try:
-        for split in SPLITS:
-            (part / "images" / split).mkdir(parents=True)
-            (part / "labels" / split).mkdir(parents=True)
         empty, done = [], 0
         for names, count in _drawn(kind, part, images, seed, size, workers):
             empty, done = empty + names, done + count
@@ -211,6 +208,11 @@ def _draw(
     """Some pictures and their labels, into their files: those without boxes, and a count."""
     import cv2
 
+    # Not before the workers run: a script without its main guard calls again in each of them,
+    # ends there when it starts workers of its own, and shall not have left a folder by then.
+    for place in ("images", "labels"):
+        for split in SPLITS:
+            (part / place / split).mkdir(parents=True, exist_ok=True)
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)  # every core has its process; several threads each would only wait
     try:
