@@ -10,7 +10,9 @@
 ``shading``    how bright it is there
 ``film``       from light to a picture
 ``pictures``   a picture and its boxes, by seed and number
-``dataset``    thousands of them on disk, and what is wrong with a data set
+``dataset``    thousands of them on disk
+``inspection`` what is wrong with a data set
+``sheet``      how it looks
 ``training``   networks from data sets (needs the extra "vision")
 ``trainer``    what it changes in Ultralytics
 ``onnx_file``  a trained network as a file
