@@ -18,6 +18,7 @@
 ``onnx_file``  a trained network as a file
 ``curves``     what a training writes after each epoch
 ``evaluation`` how good a network is on a data set
+``reading``    what goes into a network, and what comes out
 ``detection``  networks run on pictures
 ``metrics``    how good they are
 ``locate``     from boxes to bearings, ranges, contents

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray
-from robocon_course.vision.detection import as_picture
+from robocon_course.vision.reading import as_picture
 
 
 class Window(NamedTuple):

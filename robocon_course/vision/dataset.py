@@ -34,7 +34,6 @@ from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray
 from robocon_course.vision.classes import CLASSES
-from robocon_course.vision.detection import as_picture
 from robocon_course.vision.inspection import (
     SPLITS,
     DatasetError,
@@ -42,6 +41,7 @@ from robocon_course.vision.inspection import (
     check_dataset,
     read_names,
 )
+from robocon_course.vision.reading import as_picture
 from robocon_course.vision.sheet import contact_sheet
 
 __all__ = [

@@ -17,8 +17,8 @@ from robocon_course._arrays import as_floats
 from robocon_course.field import BALL_DIAMETER
 from robocon_course.vision.camera import Camera
 from robocon_course.vision.classes import BALLS, SILOS
-from robocon_course.vision.detection import Detections
 from robocon_course.vision.metrics import box_iou
+from robocon_course.vision.reading import Detections
 
 EDGE_SIGMA = 1.0
 """How exactly a detector finds the edge of a ball: standard deviation [pixels]."""
