@@ -21,7 +21,6 @@ import time
 from math import pi
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 # %%
@@ -29,7 +28,7 @@ from robocon_course import field, files, vision, worlds
 from robocon_course.exercises import answer, begin, check, robot_parts, running_as_test, status
 from robocon_course.simulator.camera import FieldCamera
 from robocon_course.view import explore, figure, looking, pictures, plots, seeing, show
-from robocon_course.vision import Camera, Detections, colour, dataset, locate, metrics
+from robocon_course.vision import Camera, Detections, colour, dataset, evaluation, locate, metrics
 from robocon_course.vision.camera import MOUNT
 from robocon_course.vision.film import Film
 
@@ -111,20 +110,13 @@ show(
 
 
 # %%
-def labelled(folder, split, name):
-    """A picture of a data set, its true boxes and their classes."""
-    image = cv2.imread(str(folder / "images" / split / f"{name}.jpg"))
-    lines = (folder / "labels" / split / f"{name}.txt").read_text().splitlines()
-    rows = np.array([line.split() for line in lines], float).reshape(-1, 5)
-    return image, metrics.xyxy_from_yolo(rows, *image.shape[1::-1]), rows[:, 0].astype(int)
-
-
 balls = files.data_file("pictures/ball")
-some = [labelled(balls, "test", f"ball_0000{k}9") for k in (0, 4, 5, 6, 7, 8)]
-found = [ball_eye.detect(image) for image, *_ in some]
-sure = metrics.score_pictures([(f, *rest[1:]) for f, rest in zip(found, some)], 3)
+small = {split: list(evaluation.read_split(balls, split)) for split in dataset.SPLITS}
+some = [small["test"][k] for k in (0, 4, 5, 6, 7, 8)]
+found = [ball_eye.detect(one.image_bgr) for one in some]
+sure = metrics.score_pictures([(f, o.boxes, o.class_ids) for f, o in zip(found, some)], 3)
 show(
-    seeing.gallery([image for image, *_ in some], found, side=2.2),
+    seeing.gallery([one.image_bgr for one in some], found, side=2.2),
     f"Six pictures with {sure.truths.sum()} balls: {sure.hits.sum()} are found, "
     f"{(~sure.hits).sum()} boxes are wrong.",
 )
@@ -213,10 +205,9 @@ print((balls / "labels/val/ball_000018.txt").read_text().strip())
 # some *test*, once, at the end.
 
 # %%
-for split in dataset.SPLITS:
-    names = [path.stem for path in (balls / "images" / split).iterdir()]
-    class_ids = np.concatenate([labelled(balls, split, name)[2] for name in names])
-    print(f"{split:6s} {len(names):3d} pictures: {seeing.count_words(class_ids)}")
+for split, part in small.items():
+    class_ids = np.concatenate([one.class_ids for one in part])
+    print(f"{split:6s} {len(part):3d} pictures: {seeing.count_words(class_ids)}")
 
 # %%
 sheet = dataset.contact_sheet(balls, 12, across=4)
@@ -256,7 +247,7 @@ xyxy_from_yolo = check("vision.xyxy_from_yolo")
 # 15 %, blur up to one pixel, noise on 0.1 % of the pixels.
 
 # %%
-plain, *_ = labelled(balls, "val", "ball_000018")
+plain = next(one.image_bgr for one in small["val"] if one.name == "ball_000018")
 changed = [dataset.augment(plain, np.random.default_rng(seed)) for seed in (1, 2, 5)]
 light = [image.mean() / plain.mean() - 1 for image in changed]
 show(
@@ -486,10 +477,8 @@ explore(draw_thresholds, min_score=(0.05, 0.95, 0.05, 0.4), overlap=(0.1, 1.0, 0
 # - **precision**: of what it reports, how much is right?
 # - **recall**: of what is there, how much does it find?
 #
-# A low threshold finds more and invents more. Plot one over the other while the threshold falls:
-
-
-# %% [markdown]
+# A low threshold finds more and invents more.
+#
 # **By hand.** Five balls are there. The detector reports six boxes; sorted by score, the first, second,
 # fourth and sixth are hits.
 
@@ -503,18 +492,11 @@ for k in range(6):
 # %% [markdown]
 # And now the network, on the validation and test pictures of the small set:
 
-
 # %%
-def judged(detector, folder, split):
-    """Detections, true boxes and true classes for each picture of a split."""
-    rows = []
-    for path in sorted((folder / "images" / split).iterdir()):
-        image, boxes, class_ids = labelled(folder, split, path.stem)
-        rows.append((detector.detect(image, min_score=0.02), boxes, class_ids))
-    return rows
-
-
-tested = judged(ball_eye, balls, "val") + judged(ball_eye, balls, "test")
+tested = [
+    (ball_eye.detect(one.image_bgr, min_score=0.02), one.boxes, one.class_ids)
+    for one in small["val"] + small["test"]
+]
 scored = metrics.score_pictures(tested, 3)
 
 # %%
@@ -938,7 +920,8 @@ def patches(image):
     return Detections(boxes, np.full(len(kept), np.nan), np.array(list(kept), int))
 
 
-red_floor, *true_ones = labelled(balls, "val", "ball_000007")
+one = small["val"][0]
+red_floor, true_ones = one.image_bgr, (one.boxes, one.class_ids)
 both = [patches(red_floor), ball_eye.detect(red_floor)]
 rights = [metrics.score_pictures([(f, *true_ones)], 3).hits.sum() for f in both]
 show(

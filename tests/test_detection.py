@@ -21,7 +21,7 @@ from robocon_course.vision.detection import (
     load_detector,
     non_max_suppression,
 )
-from robocon_course.vision.metrics import box_iou
+from robocon_course.vision.metrics import box_iou, xyxy_from_yolo
 from robocon_course.vision.pictures import picture
 
 KINDS = ("ball", "silo")
@@ -328,12 +328,9 @@ def photograph(name):
 
 def truths(name, image):
     """Boxes and class names of a photograph's balls."""
-    height, width = image.shape[:2]
     names = (PHOTOGRAPHS / "classes.txt").read_text().split()
     rows = np.loadtxt((PHOTOGRAPHS / name).with_suffix(".txt"), ndmin=2)
-    middle, half = rows[:, 1:3], rows[:, 3:] / 2
-    boxes = np.hstack([middle - half, middle + half]) * (width, height, width, height)
-    return boxes, [names[int(k)] for k in rows[:, 0]]
+    return xyxy_from_yolo(rows, *image.shape[1::-1]), [names[int(k)] for k in rows[:, 0]]
 
 
 def photographs():

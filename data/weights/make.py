@@ -14,13 +14,13 @@ import cv2
 import numpy as np
 
 from robocon_course.vision import CLASSES, average_precisions, load_detector, score_pictures
+from robocon_course.vision.evaluation import LOWEST
+from robocon_course.vision.metrics import xyxy_from_yolo
 from robocon_course.vision.pictures import picture
 
 FOLDER = Path(__file__).resolve().parent
 PHOTOGRAPHS = FOLDER.parents[2] / "shared" / "data" / "balls_robocon2024"
 TEST_SEED, TEST_PICTURES = 777_000, 600
-LOWEST = 0.001
-"""Every score counts for a mAP."""
 MADE = json.loads((FOLDER / "made.json").read_text(encoding="utf-8"))
 """How each network was trained: filled in by whoever trains it."""
 
@@ -43,8 +43,7 @@ def photographs() -> dict:
     for path in sorted(PHOTOGRAPHS.glob("*.[jp][pn]g")):
         image = cv2.imread(str(path))
         lines = np.loadtxt(path.with_suffix(".txt"), ndmin=2)
-        middle, half = lines[:, 1:3], lines[:, 3:] / 2
-        boxes = np.hstack([middle - half, middle + half]) * np.tile(image.shape[1::-1], 2)
+        boxes = xyxy_from_yolo(lines, *image.shape[1::-1])
         ids = np.array([CLASSES["ball"].index(names[int(k)]) for k in lines[:, 0]])
         rows.append((detector.detect(image, min_score=LOWEST), boxes, ids))
     return figures("ball", rows) | {"pictures": len(rows)}

@@ -16,12 +16,13 @@ from robocon_course._arrays import FloatArray
 from robocon_course.view.canvas import MINE, REFERENCE, TRUTH, WARN, figure, styled
 from robocon_course.vision.classes import BALLS, SILOS
 from robocon_course.vision.detection import Detections
+from robocon_course.vision.sheet import COLOURS, OTHER
 
 PAINT = {"blue": "#2D6CDF", "purple": "#A64FB0", "red": "#E0334A"}
 """Colours of balls on white paper."""
-GLOW = {"blue": "#57B0FF", "purple": "#FF6BFF", "red": "#FF5A5A"}
-"""The same on a picture; silos are framed in yellow."""
-FRAME = "#FFE000"
+GLOW = {name: "#{2:02X}{1:02X}{0:02X}".format(*bgr) for name, bgr in COLOURS.items()}
+FRAME = "#{2:02X}{1:02X}{0:02X}".format(*OTHER)
+"""The same on a picture, and the frame of silos: as the contact sheet has them."""
 
 
 @styled()
@@ -202,7 +203,7 @@ def plot_training(runs: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
     for ax in (loss, score):
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     if len(runs) > 1:
-        score.legend(loc="lower right")
+        score.legend(loc="upper left")
     return fig
 
 

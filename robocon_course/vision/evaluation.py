@@ -10,8 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray
-from robocon_course.vision.dataset import DatasetError, read_names
 from robocon_course.vision.detection import load_detector
+from robocon_course.vision.inspection import (
+    PICTURES,
+    DatasetError,
+    read_names,
+    read_picture,
+    read_rows,
+)
 from robocon_course.vision.metrics import average_precisions, score_pictures, xyxy_from_yolo
 
 LOWEST = 0.001
@@ -23,12 +29,15 @@ class Labelled(NamedTuple):
 
     Attributes
     ----------
+    name : str
+        Of its file, without the ending.
     image_bgr : ndarray of uint8, shape (h, w, 3)
     boxes : ndarray, shape (n, 4)
         Left, top, right, bottom [pixels].
     class_ids : ndarray of int64, shape (n,)
     """
 
+    name: str
     image_bgr: NDArray[np.uint8]
     boxes: FloatArray
     class_ids: NDArray[np.int64]
@@ -52,29 +61,32 @@ def read_split(data: str | Path, split: str = "test") -> Iterator[Labelled]:
     DatasetError
         That part has no pictures, or a picture or label of it cannot be read.
     """
-    import cv2
-
     folder, classes = Path(data) / "images" / split, len(read_names(data))
-    paths = sorted(p for p in folder.glob("*") if p.suffix.lower() in (".jpg", ".jpeg", ".png"))
+    listed = sorted(folder.iterdir()) if folder.is_dir() else []
+    paths = [path for path in listed if path.suffix.lower() in PICTURES]
     if not paths:
         raise DatasetError(f"{folder}: no pictures; expected a data set with a part {split!r}")
     for path in paths:
-        image = cv2.imread(str(path))
-        label = Path(data) / "labels" / split / f"{path.stem}.txt"
-        try:
-            rows = np.array([line.split() for line in label.read_text().splitlines()], float)
-            rows = rows.reshape(-1, 5)
-            if not np.isin(rows[:, 0], range(classes)).all():
-                raise ValueError("class")
-        except (OSError, ValueError):
-            raise DatasetError(
-                f"{label}: expected rows of class, middle x, middle y, width, height; "
-                f"look with: robocon dataset KIND --check {data}"
-            ) from None
+        image = read_picture(path)
         if image is None:
             raise DatasetError(f"{path}: not a picture that can be read")
+        rows = _rows(Path(data), Path("labels") / split / f"{path.stem}.txt", classes)
         boxes = xyxy_from_yolo(rows, *image.shape[1::-1])
-        yield Labelled(image, boxes, rows[:, 0].astype(np.int64))
+        yield Labelled(path.stem, image, boxes, rows[:, 0].astype(np.int64))
+
+
+def _rows(data: Path, label: Path, classes: int) -> FloatArray:
+    """The boxes of a label file, every line of it."""
+    try:
+        rows, wrong = read_rows((data / label).read_text(encoding="utf-8"), classes)
+    except (OSError, UnicodeDecodeError):
+        rows, wrong = np.empty((0, 5)), [(1, "cannot be read")]
+    if wrong:
+        number, what = wrong[0]
+        raise DatasetError(
+            f"{label}:{number} {what}; see all with: robocon dataset KIND --check {data}"
+        )
+    return rows
 
 
 def evaluate(weights: str | Path, data: str | Path, split: str = "test") -> dict[str, float]:

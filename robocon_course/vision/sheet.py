@@ -18,7 +18,9 @@ from robocon_course.vision.inspection import (
 from robocon_course.vision.metrics import xyxy_from_yolo
 
 COLOURS = {"blue": (255, 190, 60), "purple": (255, 90, 255), "red": (80, 80, 255)}
-"""Of boxes and tags, BGR; any other class is drawn in yellow."""
+"""Of the balls' boxes and tags on a picture, BGR."""
+OTHER = (0, 225, 255)
+"""Of any other class: silos are framed in yellow."""
 MARGIN = 2
 """White around each picture [pixels]."""
 
@@ -110,7 +112,7 @@ def draw_box(image_bgr: NDArray[np.uint8], box: FloatArray, name: str) -> None:
     import cv2
 
     left, top, right, bottom = (round(float(edge)) for edge in box)
-    colour = COLOURS.get(name, (0, 230, 255))
+    colour = COLOURS.get(name, OTHER)
     cv2.rectangle(image_bgr, (left, top), (right - 1, bottom - 1), colour, 1)
     ball = name in COLOURS
     tag, font, size = name[:1] if ball else name, cv2.FONT_HERSHEY_SIMPLEX, 0.32

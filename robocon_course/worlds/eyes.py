@@ -37,12 +37,6 @@ class EyeWorld:
         """0.01, 0.02, … 0.99."""
         return np.round(np.arange(STEP, 1.0, STEP), 2)
 
-    def f1(self, threshold: float) -> float:
-        """Harmonic mean of precision and recall if scores of at least `threshold` count."""
-        counted = self.scores >= threshold - 1e-9
-        right = int(np.count_nonzero(self.hits & counted))
-        return 2.0 * right / max(1, int(np.count_nonzero(counted)) + self.truths)
-
 
 @functools.lru_cache(maxsize=400)
 def eye_world(student: Student) -> EyeWorld:

@@ -154,21 +154,27 @@ AVERAGE_PRECISION = Exercise(
 )
 
 
+def _f1(right: int, said: int, there: int) -> float:
+    """Harmonic mean of precision and recall."""
+    return 2.0 * right / (said + there)
+
+
 def _best(student: Student) -> float:
-    """The threshold with the best F1, the smallest of equals."""
-    world = worlds.eye_world(student)
-    return float(max(world.thresholds(), key=lambda t: (round(world.f1(t), 12), -t)))
+    """The threshold with the best F1."""
+    return _of(student, _f1)
 
 
 def _of(student: Student, measure: Callable[[int, int, int], float]) -> float:
-    """The threshold that is best by another measure of (right, reported, there)."""
+    """The threshold that is best by a measure of (right, reported, there); of equals the least."""
+    levels = worlds.eye_world(student).thresholds()
+    return float(max(levels, key=lambda t: (round(measure(*_counts(student, t)), 12), -t)))
+
+
+def _counts(student: Student, threshold: float) -> tuple[int, int, int]:
+    """Right ones, reported ones, and those that are there."""
     world = worlds.eye_world(student)
-
-    def score(threshold: float) -> float:
-        counted = world.scores >= threshold - 1e-9
-        return measure(int((world.hits & counted).sum()), int(counted.sum()), world.truths)
-
-    return float(max(world.thresholds(), key=lambda t: (round(score(t), 12), -t)))
+    counted = world.scores >= threshold - 1e-9
+    return int((world.hits & counted).sum()), int(counted.sum()), world.truths
 
 
 OWN_THRESHOLD = Number(
@@ -199,7 +205,7 @@ OWN_THRESHOLD = Number(
         Mistake(
             "the F1 itself",
             "That is the best F1. Asked for is the threshold at which it is reached.",
-            lambda s: round(worlds.eye_world(s).f1(_best(s)), 4),
+            lambda s: round(_f1(*_counts(s, _best(s))), 4),
         ),
         Mistake(
             "in per cent",
