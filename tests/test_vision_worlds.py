@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from robocon_course import vision, worlds
-from robocon_course.answers.process import FILE_LIMIT, AnswerProcess
+from robocon_course.answers.process import AnswerProcess
+from robocon_course.files import LARGEST_WEIGHTS, data_file
 from robocon_course.exercises import registry
 from robocon_course.exercises.judge import ask_function, judge, judge_answer, judge_number
 from robocon_course.exercises.model import Outcome
@@ -189,7 +190,7 @@ NO_NETWORKS = {
     "an empty file": (b"", "the file is empty"),
     "a text": (b"my weights are at home\n", "not a network that can be opened"),
     "a checkpoint": (b"PK\x03\x04" + bytes(200), "not a network that can be opened"),
-    "too large a file": (bytes(FILE_LIMIT + 1), "has 13.0 MB, and 13 MB are allowed"),
+    "too large a file": (bytes(LARGEST_WEIGHTS + 1), "has 13.0 MB, and 13 MB are allowed"),
 }
 
 
@@ -199,6 +200,13 @@ def test_a_file_that_is_no_network_earns_nothing_and_is_told_why(content, said, 
     verdict = handed_in(tmp_path / "ball.onnx")
     assert (verdict.outcome, verdict.points) == (Outcome.ERROR, 0.0)
     assert "ball.onnx" in verdict.message and said in verdict.message
+
+
+@pytest.mark.parametrize("name", ["ball", "silo"])
+def test_the_courses_own_network_under_another_name_is_not_ones_own(name, tmp_path):
+    (tmp_path / "ball.onnx").write_bytes(data_file(f"weights/{name}.onnx").read_bytes())
+    verdict = handed_in(tmp_path / "ball.onnx")
+    assert verdict.points == 0.0 and "the course came with" in verdict.message
 
 
 def test_a_missing_file_a_link_a_folder_and_a_pipe_are_told(tmp_path):

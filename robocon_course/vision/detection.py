@@ -34,8 +34,6 @@ MOST = 300
 """How many boxes of one picture are kept at most."""
 LEAST_SCORE = 0.05
 """Below this a report is of no use even for a mean over all thresholds."""
-LARGEST_FILE = 13_000_000
-"""Weights larger than this are not ours [bytes]."""
 
 
 class WeightsError(CourseError):
@@ -186,13 +184,11 @@ def _shipped(kind: str) -> Detector:
     """One of the course's own networks, opened once."""
     try:
         path = files.data_file(f"weights/{kind}.onnx")
-        listed = files.data_file("weights/SHA256SUMS").read_text(encoding="ascii")
+        sums = files.checksums("weights")
     except FileNotFoundError as error:
         raise WeightsError(str(error)) from None
-    except UnicodeDecodeError:
+    except ValueError:
         raise WeightsError("SHA256SUMS is not text; install the course again") from None
-    lines = (line.split() for line in listed.splitlines())
-    sums = {line[1].lstrip("*"): line[0] for line in lines if len(line) == 2}
     data = _read(path)
     found = hashlib.sha256(data).hexdigest()
     if sums.get(path.name) != found:
@@ -210,7 +206,7 @@ def _read(path: Path) -> bytes:
     """The bytes of a file of weights."""
     try:
         size = path.stat().st_size
-        if size > LARGEST_FILE:
+        if size > files.LARGEST_WEIGHTS:
             raise WeightsError(f"{path.name}: {size / 1e6:.0f} MB; at most 13 MB are read")
         data = path.read_bytes()
     except OSError as error:
