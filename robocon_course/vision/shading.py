@@ -182,6 +182,19 @@ def seam(balls, q, nx, ny, nz, pixel, panels):
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
+def on_ball(balls, q, x, y, z, pixel, panels):
+    """Normal and paint of a ball at a point."""
+    nx, ny, nz = x - balls[q, 0], y - balls[q, 1], z - balls[q, 2]
+    nx, ny, nz = nx / RADIUS_32, ny / RADIUS_32, nz / RADIUS_32
+    deep, ox, oy, oz = seam(balls, q, nx, ny, nz, pixel, panels)
+    # The flank of a seam leans to the neighbour: there the highlight breaks.
+    lean = FLANK * deep
+    dark = np.float32(1.0) - SEAM * deep
+    nx, ny, nz = nx - lean * ox, ny - lean * oy, nz - lean * oz
+    return nx, ny, nz, balls[q, 3] * dark, balls[q, 4] * dark, balls[q, 5] * dark
+
+
+@njit(cache=True, fastmath=True, error_model="numpy")
 def highlight(mirrored):
     """Phong's wide and narrow lobe, powers 8 and 32 of the mirrored look against the lamp."""
     if mirrored <= 0.5:
@@ -191,6 +204,33 @@ def highlight(mirrored):
     wide *= wide
     narrow = wide * wide
     return wide, narrow * narrow
+
+
+@njit(cache=True, fastmath=True, error_model="numpy")
+def lit(normal, paint, surface, look, key, sky, lamps, ambient):
+    """Light that a surface sends back: what comes from everywhere, then lamp by lamp."""
+    (nx, ny, nz), (red, green, blue), (dx, dy, dz) = normal, paint, look
+    gloss, sheen = surface
+    facing = nx * dx + ny * dy + nz * dz
+    size = sqrt(nx * nx + ny * ny + nz * nz) + np.float32(1e-9)
+    if facing > 0.0:
+        size = -size
+    nx, ny, nz, facing = nx / size, ny / size, nz / size, facing / size
+    far = sqrt(dx * dx + dy * dy + dz * dz)
+    around = sky * (UPRIGHT + (1 - UPRIGHT) * nz)
+    r, g, b = red * ambient[0] * around, green * ambient[1] * around, blue * ambient[2] * around
+    for lamp in range(len(lamps)):
+        lx, ly, lz = lamps[lamp, 0], lamps[lamp, 1], lamps[lamp, 2]
+        falls = nx * lx + ny * ly + nz * lz
+        if falls <= 0.0:
+            continue
+        wide, narrow = highlight((dx * lx + dy * ly + dz * lz - 2 * facing * falls) / far)
+        share = key if lamp == 0 else sky
+        matt, shine = share * (falls + sheen * wide), share * gloss * (narrow + VEIL * wide)
+        r += lamps[lamp, 3] * (red * matt + shine)
+        g += lamps[lamp, 4] * (green * matt + shine)
+        b += lamps[lamp, 5] * (blue * matt + shine)
+    return r, g, b
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
@@ -217,15 +257,9 @@ def shade(scene, rays, eye, depth, what, key, sky, textures, floor_map, paints, 
                 )  # fmt: skip
                 gloss = rects[q, 22]
             elif q < n_rects + n_balls:
-                q -= n_rects
-                nx, ny, nz = x - balls[q, 0], y - balls[q, 1], z - balls[q, 2]
-                nx, ny, nz = nx / RADIUS_32, ny / RADIUS_32, nz / RADIUS_32
-                deep, ox, oy, oz = seam(balls, q, nx, ny, nz, t / focal, panels)
-                # The flank of a seam leans to the neighbour: there the highlight breaks.
-                lean = FLANK * deep
-                nx, ny, nz = nx - lean * ox, ny - lean * oy, nz - lean * oz
-                dark = np.float32(1.0) - SEAM * deep
-                red, green, blue = balls[q, 3] * dark, balls[q, 4] * dark, balls[q, 5] * dark
+                nx, ny, nz, red, green, blue = on_ball(
+                    balls, q - n_rects, x, y, z, t / focal, panels
+                )  # fmt: skip
                 gloss, sheen = np.float32(0.35), np.float32(0.5)
             elif q < n_rects + n_balls + n_cages:
                 q -= n_rects + n_balls
@@ -239,27 +273,7 @@ def shade(scene, rays, eye, depth, what, key, sky, textures, floor_map, paints, 
                 nx, ny, nz = x - pillars[q, 0], y - pillars[q, 1], np.float32(0.0)
                 red, green, blue = pillars[q, 5], pillars[q, 6], pillars[q, 7]
                 gloss = np.float32(0.08)
-            facing = nx * dx + ny * dy + nz * dz
-            size = sqrt(nx * nx + ny * ny + nz * nz) + np.float32(1e-9)
-            if facing > 0.0:
-                size = -size
-            nx, ny, nz, facing = nx / size, ny / size, nz / size, facing / size
-            far = sqrt(dx * dx + dy * dy + dz * dz)
-            around = sky[i, j] * (UPRIGHT + (1 - UPRIGHT) * nz)
-            r, g, b = (
-                red * ambient[0] * around,
-                green * ambient[1] * around,
-                blue * ambient[2] * around,
-            )
-            for lamp in range(len(lamps)):
-                lx, ly, lz = lamps[lamp, 0], lamps[lamp, 1], lamps[lamp, 2]
-                falls = nx * lx + ny * ly + nz * lz
-                if falls <= 0.0:
-                    continue
-                wide, narrow = highlight((dx * lx + dy * ly + dz * lz - 2 * facing * falls) / far)
-                lit = key[i, j] if lamp == 0 else sky[i, j]
-                matt, shine = lit * (falls + sheen * wide), lit * gloss * (narrow + VEIL * wide)
-                r += lamps[lamp, 3] * (red * matt + shine)
-                g += lamps[lamp, 4] * (green * matt + shine)
-                b += lamps[lamp, 5] * (blue * matt + shine)
-            image[i, j, 0], image[i, j, 1], image[i, j, 2] = r, g, b
+            image[i, j, 0], image[i, j, 1], image[i, j, 2] = lit(
+                (nx, ny, nz), (red, green, blue), (gloss, sheen), (dx, dy, dz), key[i, j],
+                sky[i, j], lamps, ambient,
+            )  # fmt: skip
