@@ -8,7 +8,7 @@ import pytest
 
 from robocon_course.vision import colour
 from robocon_course.vision.colour import COLOURS, colour_mask, heading_from_landmarks, largest_blob
-from robocon_course.vision.venue import hsv
+from robocon_course.vision.paint import hsv
 
 HUES = {"blue": 219, "purple": 290, "red": 353, "green": 130, "orange": 30}
 

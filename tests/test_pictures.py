@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robocon_course import field
-from robocon_course.vision import film, pictures, render, venue
+from robocon_course.vision import film, paint, pictures, render, venue
 from robocon_course.vision.camera import Camera, view_towards
 from robocon_course.vision.classes import BALLS, SILOS
 from robocon_course.vision.scene import RADIUS, Lamp, Scene, stack
@@ -40,7 +40,7 @@ def outline(camera: Camera, T_map_camera, centre):
 def test_the_box_of_a_ball_is_its_outline_to_a_ray(at):
     scene, camera = bare_room(), Camera(distortion=-0.1)
     centre = np.array([*at, RADIUS])
-    scene.add_ball(centre, venue.hsv(220, 0.8, 0.8), 0, np.eye(3))
+    scene.add_ball(centre, paint.hsv(220, 0.8, 0.8), 0, np.eye(3))
     T = view_towards((0.0, 0.0, 0.5), (1.5, 0.0, 0.1), roll=0.1)
     taken = photograph(scene, T, camera=camera)
     np.testing.assert_allclose(
@@ -51,7 +51,7 @@ def test_the_box_of_a_ball_is_its_outline_to_a_ray(at):
 
 def test_a_half_hidden_ball_gets_the_box_of_its_visible_half():
     scene, T = bare_room(), view_towards((0.0, 0.0, 0.1), (1.0, 0.0, 0.1))
-    scene.add_ball((1.5, 0.0, RADIUS), venue.hsv(220, 0.8, 0.8), 0, np.eye(3))
+    scene.add_ball((1.5, 0.0, RADIUS), paint.hsv(220, 0.8, 0.8), 0, np.eye(3))
     whole = photograph(scene, T).boxes[0]
     scene.add_box((1.0, 0.0, 0.0), (1.1, 0.5, 0.5), (0.9, 0.9, 0.1))
     half = photograph(scene, T).boxes[0]
@@ -62,7 +62,7 @@ def test_a_half_hidden_ball_gets_the_box_of_its_visible_half():
 
 def test_a_ball_hidden_but_for_a_sliver_gets_no_box():
     scene, T = bare_room(), view_towards((0.0, 0.0, 0.1), (1.0, 0.0, 0.1))
-    scene.add_ball((1.5, 0.0, RADIUS), venue.hsv(220, 0.8, 0.8), 0, np.eye(3))
+    scene.add_ball((1.5, 0.0, RADIUS), paint.hsv(220, 0.8, 0.8), 0, np.eye(3))
     scene.add_box((1.0, -0.05, 0.0), (1.1, 0.5, 0.5), (0.9, 0.9, 0.1))
     taken = photograph(scene, T)
     assert taken.boxes.shape == (0, 4) and taken.boxes.dtype == np.float32

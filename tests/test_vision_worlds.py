@@ -12,12 +12,12 @@ import pytest
 
 from robocon_course import vision, worlds
 from robocon_course.answers.process import AnswerProcess
-from robocon_course.files import LARGEST_WEIGHTS, data_file
 from robocon_course.exercises import registry
 from robocon_course.exercises.judge import ask_function, judge, judge_answer, judge_number
 from robocon_course.exercises.model import Outcome
 from robocon_course.exercises.source import Answer
 from robocon_course.exercises.vision import challenge, symptoms
+from robocon_course.files import LARGEST_WEIGHTS, data_file
 from robocon_course.grading.batch import grade_one
 from robocon_course.vision import Detections
 

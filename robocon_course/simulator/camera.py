@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robocon_course import field
 from robocon_course._arrays import as_floats
-from robocon_course.vision import film, pictures, venue
+from robocon_course.vision import film, paint, pictures, venue
 from robocon_course.vision.camera import Camera, camera_pose
 from robocon_course.vision.classes import BALLS, SILOS
 from robocon_course.vision.film import Film
@@ -44,7 +44,7 @@ class FieldCamera:
         rng = np.random.default_rng([seed, 2024])
         self.camera = camera
         self._hall = venue.field_hall(rng)
-        self._paints = {name: venue.ball_colour(name, rng) for name in BALLS}
+        self._paints = {name: paint.ball_colour(name, rng) for name in BALLS}
         self._turns = [venue.rotation(rng) for _ in range(MOST_BALLS)]
         self._silos = int(rng.integers(2**31))
         self._make = venue.silo_make(rng)

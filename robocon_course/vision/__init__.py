@@ -4,6 +4,7 @@
 ``classes``    what is told apart
 ``camera``     points to pixels, pixels to rays
 ``scene``      what stands before the camera
+``paint``      colours and textures
 ``venue``      halls, benches, silos, balls: painted and lit anew each time
 ``shots``      which pictures are taken
 ``render``     what each pixel sees

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray
-from robocon_course.vision import film, render, shading, shots, venue
+from robocon_course.vision import film, paint, render, shading, shots
 from robocon_course.vision.camera import Camera
 from robocon_course.vision.classes import CLASSES
 from robocon_course.vision.scene import Scene, linear
@@ -111,7 +111,7 @@ def take(
     paints = linear(_paints(scene)).astype(np.float32)
     light = shading.shaded(
         packed, fine, T_map_camera, view,
-        film.to_linear(textures), venue.field_map(), paints, venue.grain(),
+        film.to_linear(textures), paint.field_map(), paints, paint.grain(),
     )  # fmt: skip
     image = film.develop(light, (camera.width, camera.height), on, rng)
     boxes, class_ids = visible(scene, view[2], fine, T_map_camera, kind)

@@ -90,7 +90,7 @@ class Scene:
     ambient : ndarray, shape (3,)
         Light from everywhere, linear RGB.
     field_colours : ndarray, shape (k, 3), or None
-        Paints of the field map, by the numbers of `venue.field_map`.
+        Paints of the field map, by the numbers of `paint.field_map`.
     low, high : (float, float)  [m, map]
         Corners of the room.
     """

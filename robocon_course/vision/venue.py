@@ -6,14 +6,11 @@ grey, walls of panels, concrete or bricks, pipes, people, boxes. Only the field'
 
 from __future__ import annotations
 
-from functools import cache
-
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from robocon_course import field
 from robocon_course._arrays import FloatArray
+from robocon_course.vision import paint
 from robocon_course.vision.classes import BALLS, SILOS
 from robocon_course.vision.scene import (
     FIELD_MAP,
@@ -24,58 +21,6 @@ from robocon_course.vision.scene import (
     Scene,
     stack,
 )
-from robocon_course.vision.shading import TILE
-
-MAP_RESOLUTION = 0.005
-
-_PAINTS = (
-    field.ORANGE, field.GREEN, field.YELLOW, field.WATER_BLUE, field.GREY, field.WHITE,
-    field.RED, field.BLUE,
-)  # fmt: skip
-
-
-@cache
-def field_map() -> NDArray[np.uint8]:
-    """Which paint lies in each cell of the field, by number; row 0 at the smallest y."""
-    pixels = field.picture(MAP_RESOLUTION)
-    numbers = np.zeros(pixels.shape[:2], np.uint8)
-    for k, paint in enumerate(_PAINTS):
-        numbers[(pixels == np.array(paint, np.uint8)).all(axis=2)] = k
-    return numbers
-
-
-@cache
-def grain() -> NDArray[np.float32]:
-    """Noise around 0 with structure at several sizes; repeats without a seam."""
-    rng = np.random.default_rng(2024)
-    total = np.zeros((TILE, TILE), np.float32)
-    for cells in (4, 16, 64, 256):
-        noise = rng.normal(size=(cells, cells)).astype(np.float32)
-        wrapped = np.pad(noise, 1, mode="wrap")
-        step = TILE // cells
-        large = cv2.resize(wrapped, None, fx=step, fy=step, interpolation=cv2.INTER_CUBIC)
-        total += large[step : step + TILE, step : step + TILE]
-    return total
-
-
-def hsv(hue: float, saturation: float, value: float) -> FloatArray:
-    """sRGB of a colour; hue in degrees."""
-    k = (np.array([5.0, 3.0, 1.0]) + hue / 60.0) % 6.0
-    return value * (1.0 - saturation * np.clip(np.minimum(k, 4.0 - k), 0.0, 1.0))
-
-
-def ball_colour(name: str, rng: np.random.Generator) -> FloatArray:
-    """A ball's paint: as drawn in the rules, spread as far as cameras and makers spread it."""
-    if name == "blue":
-        return hsv(rng.normal(219.0, 5.0), rng.uniform(0.66, 0.92), rng.uniform(0.5, 0.9))
-    if name == "red":
-        return hsv(
-            float(np.clip(rng.normal(353.0, 4.0), 344.0, 363.0)),
-            rng.uniform(0.66, 0.88),
-            rng.uniform(0.6, 0.95),
-        )
-    # "Purple" runs from violet to magenta.
-    return hsv(rng.uniform(257.0, 307.0), rng.uniform(0.42, 0.78), rng.uniform(0.45, 0.85))
 
 
 def rotation(rng: np.random.Generator) -> FloatArray:
@@ -99,78 +44,12 @@ def light_up(scene: Scene, rng: np.random.Generator) -> None:
     scene.ambient = np.array(tint * rng.uniform(0.4, 0.9))
 
 
-# --- textures -------------------------------------------------------------------------------------
-
-
-def any_colour(rng: np.random.Generator) -> FloatArray:
-    """Mostly dull, sometimes gaudy."""
-    if rng.uniform() < 0.55:
-        return hsv(rng.uniform(0, 360), rng.uniform(0.0, 0.25), rng.uniform(0.1, 0.95))
-    return hsv(rng.uniform(0, 360), rng.uniform(0.3, 1.0), rng.uniform(0.15, 0.95))
-
-
-def wall_texture(rng: np.random.Generator) -> NDArray[np.uint8]:
-    """Panels with joints, concrete, bricks, or a jumble of things; sRGB."""
-    base = hsv(rng.uniform(0, 360), rng.uniform(0.0, 0.15), rng.uniform(0.2, 0.9))
-    rough = np.roll(grain(), tuple(rng.integers(0, TILE, 2)), (0, 1))[..., None]
-    tile = _bytes(base.astype(np.float32) * (1.0 + 0.08 * rough))
-    style = rng.integers(0, 4)
-    joint = _bytes(base * rng.choice([0.5, 0.75, 1.4, 1.8])).tolist()
-    if style == 0:
-        step = int(rng.integers(24, 100))
-        for x in range(int(rng.integers(0, step)), TILE, step):
-            cv2.line(tile, (x, 0), (x, TILE), joint, int(rng.integers(1, 5)))
-    elif style == 1:
-        step = int(rng.integers(12, 50))
-        for k, y in enumerate(range(0, TILE, step)):
-            cv2.line(tile, (0, y), (TILE, y), joint, 1)
-            for x in range(step * (k % 2), TILE, 2 * step):
-                cv2.line(tile, (x, y), (x, y + step), joint, 1)
-    clutter(tile, rng, int(rng.integers(0, 7)) if style < 3 else int(rng.integers(15, 50)))
-    return tile
-
-
-def _bytes(colour: FloatArray) -> NDArray[np.uint8]:
-    return (
-        cv2.convertScaleAbs(colour, alpha=255.0)
-        if colour.ndim == 3
-        else np.uint8(np.clip(colour * 255.0, 0, 255))
-    )
-
-
-def clutter(tile: NDArray[np.uint8], rng: np.random.Generator, count: int) -> None:
-    """Posters, doors, pipes, cables and letters on a wall."""
-    for _ in range(count):
-        colour = _bytes(any_colour(rng)).tolist()
-        x, y = (int(v) for v in rng.integers(0, TILE, 2))
-        w, h = (int(v) for v in np.exp(rng.uniform(1.0, 4.5, 2)))
-        kind = rng.integers(0, 6)
-        if kind <= 1:
-            cv2.rectangle(tile, (x, y), (x + w, y + h), colour, -1)
-        elif kind == 2:
-            cv2.rectangle(tile, (x, y), (x + w, y + h), colour, int(rng.integers(1, 4)))
-        elif kind == 3:
-            cv2.line(tile, (x, y), (x + w, y + h), colour, int(rng.integers(1, 8)))
-        elif kind == 4:
-            cv2.ellipse(tile, (x, y), (w, max(2, h // 3)), 30.0 * w, 0, 360, colour, 2)
-        else:
-            word = "".join(chr(65 + k) for k in rng.integers(0, 26, 4))
-            cv2.putText(tile, word, (x, y), 0, 0.3 + w / 80, colour, 1)
-
-
-def plank_texture(rng: np.random.Generator) -> NDArray[np.uint8]:
-    """Wood, plywood or cardboard: grain drawn out along one side; sRGB."""
-    base = hsv(rng.uniform(25, 42), rng.uniform(0.15, 0.5), rng.uniform(0.5, 0.9))
-    lines = cv2.blur(np.roll(grain(), int(rng.integers(TILE)), 0), (63, 1))
-    return _bytes(base.astype(np.float32) * (1.0 + 0.25 * lines[..., None]))
-
-
 # --- venues ---------------------------------------------------------------------------------------
 
 
 def room(scene: Scene, rng: np.random.Generator, low: tuple, high: tuple, ground: float) -> None:
     """Four walls, a ceiling and a ground around everything."""
-    scene.textures = [wall_texture(rng), plank_texture(rng), wall_texture(rng)]
+    scene.textures = [paint.wall_texture(rng), paint.plank_texture(rng), paint.wall_texture(rng)]
     scene.low, scene.high = low, high
     (x0, y0), (x1, y1) = low, high
     top = ground + rng.uniform(2.5, 7.0)
@@ -186,8 +65,8 @@ def room(scene: Scene, rng: np.random.Generator, low: tuple, high: tuple, ground
             origin, edge, (0, 0, tall), (1, 1, 1), shift=tuple(rng.uniform(0, 1, 2)), **look
         )
     across = ((x1 - x0, 0, 0), (0, y1 - y0, 0))
-    scene.add_rect((x0, y0, top), *across, any_colour(rng) * 0.5 + 0.5)
-    dull = hsv(rng.uniform(0, 360), rng.uniform(0, 0.2), rng.uniform(0.25, 0.8))
+    scene.add_rect((x0, y0, top), *across, paint.any_colour(rng) * 0.5 + 0.5)
+    dull = paint.hsv(rng.uniform(0, 360), rng.uniform(0, 0.2), rng.uniform(0.25, 0.8))
     scene.add_rect((x0, y0, ground), *across, dull, grain=0.12, gloss=rng.uniform(0, 0.2))
 
 
@@ -205,8 +84,8 @@ def field_hall(rng: np.random.Generator) -> Scene:
 
 def _floor(scene: Scene, rng: np.random.Generator) -> None:
     """The terraces, both halves, in this hall's paints."""
-    spread = np.clip(rng.normal(1.0, 0.07, (len(_PAINTS), 3)), 0.8, 1.2)
-    paints = np.clip(np.array(_PAINTS) / 255.0 * spread, 0, 1)
+    spread = np.clip(rng.normal(1.0, 0.07, (len(paint.PAINTS), 3)), 0.8, 1.2)
+    paints = np.clip(np.array(paint.PAINTS) / 255.0 * spread, 0, 1)
     # As cameras see them: the green darker, the yellow deeper than drawn.
     paints[1] *= rng.uniform(0.65, 1.0)
     paints[2] *= np.array([0.92, rng.uniform(0.85, 1.0), rng.uniform(0.25, 1.0)])
@@ -269,17 +148,18 @@ def thing(scene: Scene, rng: np.random.Generator, at: tuple, size: float = 1.0) 
         person(scene, rng, at)
     elif kind <= 2:
         radius, height = np.exp(rng.uniform(np.log(0.015), np.log(0.15))), rng.uniform(0.1, 2.5)
-        scene.pillars.append(Pillar(np.array(at), size * height, size * radius, any_colour(rng)))
+        colour = paint.any_colour(rng)
+        scene.pillars.append(Pillar(np.array(at), size * height, size * radius, colour))
     elif kind == 3 and rng.uniform() < 0.4:
         # Balls of other sports are no balls of ours.
         hue = rng.choice([rng.uniform(20, 160), rng.uniform(20, 160)])
-        paint = hsv(hue, rng.uniform(0.0, 0.9), rng.uniform(0.3, 1.0))
-        scene.add_ball((x, y, z + RADIUS), paint, -1, rotation(rng))
+        colour = paint.hsv(hue, rng.uniform(0.0, 0.9), rng.uniform(0.3, 1.0))
+        scene.add_ball((x, y, z + RADIUS), colour, -1, rotation(rng))
     else:
         w, d, h = size * np.exp(rng.uniform(np.log(0.08), np.log(0.9), 3))
         low, high = (x - w / 2, y - d / 2, z), (x + w / 2, y + d / 2, z + h)
         look = {"texture": int(rng.choice([-1, -1, 2, 3])), "scale": rng.uniform(0.5, 3.0)}
-        colour = any_colour(rng) if look["texture"] != 2 else np.ones(3)
+        colour = paint.any_colour(rng) if look["texture"] != 2 else np.ones(3)
         scene.add_box(low, high, colour, turn=rng.uniform(0, np.pi), **look)
 
 
@@ -287,8 +167,8 @@ def person(scene: Scene, rng: np.random.Generator, at: tuple) -> None:
     """Two legs, a body, a head."""
     x, y, z = at
     tall = rng.uniform(1.5, 1.9)
-    trousers, shirt = any_colour(rng), any_colour(rng)
-    skin = hsv(rng.uniform(15, 30), rng.uniform(0.25, 0.6), rng.uniform(0.35, 0.95))
+    trousers, shirt = paint.any_colour(rng), paint.any_colour(rng)
+    skin = paint.hsv(rng.uniform(15, 30), rng.uniform(0.25, 0.6), rng.uniform(0.35, 0.95))
     bearing = rng.uniform(0, np.pi)
     for sign in (-0.1, 0.1):
         foot = np.array([x + sign * np.cos(bearing), y + sign * np.sin(bearing), z])
@@ -304,12 +184,12 @@ def workshop(rng: np.random.Generator) -> Scene:
     reach = rng.uniform(1.5, 5.0, 4)
     room(scene, rng, (-reach[0], -reach[1]), (reach[2], reach[3]), -rng.choice([0.0, 0.8]))
     w, d = rng.uniform(0.6, 2.5, 2)
-    paint = any_colour(rng)
+    colour = paint.any_colour(rng)
     look = {"texture": int(rng.choice([-1, 2, 3])), "gloss": rng.uniform(0, 0.3)}
     if look["texture"] != -1:
-        paint = 0.6 + 0.4 * paint
+        colour = 0.6 + 0.4 * colour
     scene.add_rect(
-        (-w, -d, 0.002), (2 * w, 0, 0), (0, 2 * d, 0), paint, grain=0.1, scale=1.0, **look
+        (-w, -d, 0.002), (2 * w, 0, 0), (0, 2 * d, 0), colour, grain=0.1, scale=1.0, **look
     )  # fmt: skip
     for _ in range(int(rng.integers(2, 14))):
         x, y = rng.uniform(-1.2, 1.2, 2)
@@ -325,7 +205,7 @@ def silo_make(rng: np.random.Generator) -> Cage:
     """How the silos of one field are built; all five are alike."""
     top = rng.uniform(0.395, 0.44)
     rings = top - rng.uniform(0.105, 0.14) * np.array([3.0, 2.0, 1.0, 0.0])
-    white = hsv(rng.uniform(0, 360), rng.uniform(0, 0.08), rng.uniform(0.85, 1.0))
+    white = paint.hsv(rng.uniform(0, 360), rng.uniform(0, 0.08), rng.uniform(0.85, 1.0))
     return Cage(
         np.zeros(3), np.maximum(rings, 0.008), rng.uniform(0.009, 0.026),
         rng.uniform(0.008, 0.018), int(rng.integers(3, 6)), 0.0, white, 0,
@@ -339,9 +219,9 @@ def add_silo(scene: Scene, rng: np.random.Generator, foot: tuple, label: int, ma
     balls = "" if label == 0 else SILOS[label]
     for middle, letter in zip(stack(rng, len(balls)), balls, strict=True):
         name = {"B": "blue", "R": "red"}[letter]
-        paint = scene_paint(scene, rng, name)
+        colour = scene_paint(scene, rng, name)
         at = np.array(foot) + middle
-        scene.add_ball(at, paint, BALLS.index(name), rotation(rng), cage=len(scene.cages) - 1)
+        scene.add_ball(at, colour, BALLS.index(name), rotation(rng), cage=len(scene.cages) - 1)
 
 
 def scene_paint(scene: Scene, rng: np.random.Generator, name: str) -> FloatArray:
@@ -350,4 +230,4 @@ def scene_paint(scene: Scene, rng: np.random.Generator, name: str) -> FloatArray
     for ball in scene.balls:
         if ball.label == number:
             return np.clip(ball.colour * rng.normal(1.0, 0.04), 0, 1)
-    return ball_colour(name, rng)
+    return paint.ball_colour(name, rng)
