@@ -14,3 +14,24 @@ CLASSES = {"ball": BALLS, "silo": SILOS}
 
 MIN_SCORE = {"ball": 0.4, "silo": 0.6}
 """Lowest score that counts. Source: swerve robot of Yogyakarta State University, 2024."""
+
+
+def classes_of(kind: str) -> tuple[str, ...]:
+    """The classes of a network, by its kind.
+
+    Parameters
+    ----------
+    kind : {"ball", "silo"}
+
+    Returns
+    -------
+    tuple of str
+
+    Raises
+    ------
+    ValueError
+        Another kind.
+    """
+    if kind not in CLASSES:
+        raise ValueError(f"kind: expected 'ball' or 'silo', got {kind!r}")
+    return CLASSES[kind]

@@ -33,7 +33,7 @@ import yaml
 from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray
-from robocon_course.vision.classes import CLASSES
+from robocon_course.vision.classes import CLASSES, classes_of
 from robocon_course.vision.inspection import (
     SPLITS,
     DatasetError,
@@ -137,8 +137,7 @@ def _check_order(
     kind: str, images: int, seed: int, size: tuple[int, int] | None, workers: int | None
 ) -> None:
     """Refuse what cannot be drawn, before any process starts."""
-    if kind not in CLASSES:
-        raise ValueError(f"kind: expected 'ball' or 'silo', got {kind!r}")
+    classes_of(kind)
     asked = 1 if workers is None else workers
     numbers = (("images", images, FEWEST), ("seed", seed, 0), ("workers", asked, 1))
     for name, value, least in numbers:

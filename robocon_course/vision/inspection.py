@@ -17,7 +17,7 @@ import yaml
 from numpy.typing import NDArray
 
 from robocon_course._arrays import CourseError, FloatArray
-from robocon_course.vision.classes import CLASSES
+from robocon_course.vision.classes import classes_of
 
 SPLITS = ("train", "val", "test")
 PICTURES = (".jpg", ".jpeg", ".png", ".bmp", ".webp")
@@ -63,16 +63,15 @@ def check_dataset(folder: str | Path, *, kind: str | None = None) -> list[Proble
         Another kind.
     """
     folder = Path(folder)
-    if kind is not None and kind not in CLASSES:
-        raise ValueError(f"kind: expected 'ball' or 'silo', got {kind!r}")
+    wanted = None if kind is None else classes_of(kind)
     about, problems = _description(folder)
     try:
         names = _names(folder, about)
     except DatasetError as error:
         names = ()
         problems.append(Problem("data.yaml", str(error).partition(": ")[2]))
-    if kind is not None and names and names != CLASSES[kind]:
-        what = f"has the classes {', '.join(names)}; a {kind} set has {', '.join(CLASSES[kind])}"
+    if wanted and names and names != wanted:
+        what = f"has the classes {', '.join(names)}; a {kind} set has {', '.join(wanted)}"
         problems.append(Problem("data.yaml", what))
     counts: Counter[int] = Counter()
     first: dict[str, str] = {}

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from robocon_course._arrays import FloatArray
 from robocon_course.vision import film, paint, render, shading, shots
 from robocon_course.vision.camera import Camera
-from robocon_course.vision.classes import CLASSES
+from robocon_course.vision.classes import CLASSES, classes_of
 from robocon_course.vision.scene import Scene, linear
 
 FINENESS = 1.5
@@ -66,8 +66,7 @@ def picture(kind: str, seed: int, index: int, size: tuple[int, int] | None = (32
     ValueError
         Another kind, or a picture of less than 32 pixels a side.
     """
-    if kind not in CLASSES:
-        raise ValueError(f"kind: expected 'ball' or 'silo', got {kind!r}")
+    classes_of(kind)
     if size is not None and not (len(size) == 2 and min(size) >= 32):
         raise ValueError(f"size: expected width and height, at least 32 pixels each, got {size!r}")
     rng = np.random.default_rng([seed, index, list(CLASSES).index(kind)])

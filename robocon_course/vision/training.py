@@ -16,7 +16,7 @@ from typing import Any
 
 import yaml
 
-from robocon_course.vision.classes import CLASSES
+from robocon_course.vision.classes import CLASSES, classes_of
 from robocon_course.vision.curves import Epoch, TrainingError, forget_after, history
 from robocon_course.vision.onnx_file import export
 from robocon_course.vision.trainer import (
@@ -168,8 +168,7 @@ def _cores() -> int:
 
 
 def _refuse_settings(kind: str, epochs: int, image_size: int, batch: int, every: int) -> None:
-    if kind not in CLASSES:
-        raise ValueError(f"kind: expected 'ball' or 'silo', got {kind!r}")
+    classes_of(kind)
     if image_size < 32 or image_size % 32:
         raise ValueError(f"image_size: expected a multiple of 32, got {image_size}")
     for name, value in (("epochs", epochs), ("batch", batch), ("validate_every", every)):
