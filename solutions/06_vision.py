@@ -332,8 +332,8 @@ box_iou = check("vision.box_iou")
 # %% [markdown]
 # ## 6. What the network says
 #
-# The picture is fitted into a square, with grey bars beside it (*letterbox*). Three grids lie over the
-# square: a place every 8, every 16, every 32 pixels. At each place the network says: if a ball is
+# The picture is made 320 pixels wide, and grey bars fill its sides up to multiples of 32
+# (*letterbox*). Three grids lie over it: a place every 8, every 16, every 32 pixels. At each place the network says: if a ball is
 # here, then with this box, and so sure of each class.
 
 # %%
@@ -342,12 +342,12 @@ colours = rng.permutation(["red"] * 6 + ["purple"] * 10)
 pile = lying(*((x, y, str(name)) for (x, y), name in zip(field.PILE_BALLS, colours)))
 post = eye.look((2.75, 10.1, pi - 0.05), tilt=0.4, balls=[*pile, *lying((2.05, 9.95, "blue"))])
 guesses = ball_eye.guesses(post.image_bgr)
-square, *_ = vision.letterbox(post.image_bgr, ball_eye.size)
+boxed, *_ = ball_eye.letterbox(post.image_bgr)
 best = guesses[4:].max(axis=0)
-grids = [(ball_eye.size // stride) ** 2 for stride in looking.STRIDES]
+grids = [boxed[0, 0, ::stride, ::stride].size for stride in looking.STRIDES]
 sure = [np.count_nonzero(part > 0.4) for part in np.split(best, np.cumsum(grids)[:-1])]
 show(
-    looking.plot_places(square, best),
+    looking.plot_places(boxed, best),
     f"The pile with a blue ball in front, and how sure the network is at each of {best.size} places. More than 0.4 say "
     f"{sure[0]} places of the fine grid, {sure[1]} of the middle and {sure[2]} of the coarse one.",
 )
@@ -1177,7 +1177,7 @@ find_balls = check("vision.find_balls")
 #
 # - A picture can be drawn, and then its boxes are exact.
 # - IoU says how well two boxes agree; 0.5 counts as found.
-# - The network guesses at 2100 places; decoding and suppression leave one box a ball.
+# - The network guesses at more than a thousand places; decoding and suppression leave one box a ball.
 # - Precision: right of what is said. Recall: found of what is there. mAP: the area under both.
 # - More pixels, more pictures, more epochs; and a test set that was never trained on.
 # - A known size and a known floor each give a range; together they are surer. Uncertainty grows with the

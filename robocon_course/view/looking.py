@@ -85,28 +85,28 @@ def _frame(
 
 
 @styled()
-def plot_places(square: NDArray[np.float32], scores: FloatArray) -> Figure:
-    """How sure a network is at each of its places: three grids over the square it looked at.
+def plot_places(tensor: NDArray[np.float32], scores: FloatArray) -> Figure:
+    """How sure a network is at each of its places: three grids over the picture it looked at.
 
     Parameters
     ----------
-    square : ndarray, shape (1, 3, size, size)
+    tensor : ndarray, shape (1, 3, h, w)
         What went in, as `detection.letterbox` makes it.
     scores : ndarray, shape (n,)
         The best score of each place, grid by grid, row by row.
     """
-    size = square.shape[-1]
+    height, width = tensor.shape[2:]
     fig, axes = figure(6.6, 2.45, len(STRIDES))
     start = 0
     for stride, ax in zip(STRIDES, axes, strict=True):
-        side = size // stride
-        grid = np.asarray(scores)[start : start + side * side].reshape(side, side)
-        start += side * side
-        ax.imshow(square[0].transpose(1, 2, 0).mean(axis=2), cmap="gray", vmin=-0.2, vmax=1.6)
+        rows, columns = height // stride, width // stride
+        grid = np.asarray(scores)[start : start + rows * columns].reshape(rows, columns)
+        start += rows * columns
+        ax.imshow(tensor[0].transpose(1, 2, 0).mean(axis=2), cmap="gray", vmin=-0.2, vmax=1.6)
         heat = np.ma.masked_less(grid, 0.05)
-        around = (0, size, size, 0)
+        around = (0, width, height, 0)
         ax.imshow(heat, cmap="autumn_r", vmin=0, vmax=1, extent=around, interpolation="nearest")
-        ax.set_title(f"{side} × {side} places", fontsize=9)
+        ax.set_title(f"{columns} × {rows} places", fontsize=9)
         ax.set_axis_off()
     return fig
 

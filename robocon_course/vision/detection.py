@@ -32,6 +32,8 @@ from robocon_course.vision.reading import (
 
 MOST = 300
 """How many boxes of one picture are kept at most."""
+LARGEST = 1280
+"""A network for larger pictures would need more memory than a robot has to spare [pixels]."""
 LEAST_SCORE = 0.05
 """Below this a report is of no use even for a mean over all thresholds."""
 
@@ -50,7 +52,9 @@ class Detector:
     min_score : float
         Lowest score that counts when `detect` is given none.
     size : int  [pixels]
-        Side of the square that the network looks at.
+        Longer side of what the network looks at.
+    step : int  [pixels]
+        Both sides are multiples of it; as large as `size` for a network that takes squares only.
     """
 
     def __init__(
@@ -58,18 +62,26 @@ class Detector:
         session: Any,
         names: tuple[str, ...],
         min_score: float,
+        size: int,
+        step: int,
         *,
         decode: Callable = decode,
         suppress: Callable = non_max_suppression,
     ) -> None:
-        self.names, self.min_score = names, min_score
-        self.size = int(session.get_inputs()[0].shape[2])
+        self.names, self.min_score, self.size, self.step = names, min_score, size, step
         self._session, self._input = session, session.get_inputs()[0].name
         self._decode, self._suppress = decode, suppress
 
     def with_parts(self, decode: Callable, suppress: Callable) -> Detector:
         """The same network, read by other functions in place of `decode` and its suppression."""
-        return Detector(self._session, self.names, self.min_score, decode=decode, suppress=suppress)
+        return Detector(
+            self._session, self.names, self.min_score, self.size, self.step,
+            decode=decode, suppress=suppress,
+        )  # fmt: skip
+
+    def letterbox(self, image_bgr: NDArray[np.uint8]) -> tuple:
+        """A picture as this network takes it, its scale and shift; see `reading.letterbox`."""
+        return letterbox(image_bgr, self.size, self.step)
 
     def guesses(self, image_bgr: NDArray[np.uint8]) -> FloatArray:
         """The network's own numbers on a picture, as `decode` reads them.
@@ -81,14 +93,14 @@ class Detector:
         Returns
         -------
         ndarray, shape (4 + classes, n)
-            Boxes in pixels of the letterboxed square.
+            Boxes in pixels of the letterboxed picture.
 
         Raises
         ------
         ValueError
             Not a picture; see `detect`.
         """
-        return self._run(letterbox(as_picture(image_bgr), self.size)[0])
+        return self._run(self.letterbox(as_picture(image_bgr))[0])
 
     def _run(self, tensor: NDArray[np.float32]) -> FloatArray:
         return self._session.run(None, {self._input: tensor})[0][0]
@@ -120,7 +132,7 @@ class Detector:
             min_score = self.min_score
         elif not (isinstance(min_score, int | float | np.number) and 0.0 <= min_score <= 1.0):
             raise ValueError(f"min_score: expected a number from 0 to 1, got {min_score!r}")
-        tensor, scale, shift = letterbox(image_bgr, self.size)
+        tensor, scale, shift = self.letterbox(image_bgr)
         boxes, scores, class_ids = self._decode(self._run(tensor), min_score)
         kept = np.asarray(self._suppress(boxes, scores, class_ids, MAX_IOU), int)[:MOST]
         boxes = (np.asarray(boxes)[kept].reshape(-1, 4) - (*shift, *shift)) / scale
@@ -227,27 +239,40 @@ def _open(data: bytes, path: Path) -> Detector:
     options.add_session_config_entry("session.intra_op.spin_duration_us", "20")
     try:
         session = onnxruntime.InferenceSession(data, options, providers=["CPUExecutionProvider"])
-        noted = session.get_modelmeta().custom_metadata_map.get("names", "{}")
-        names = ast.literal_eval(noted)
+        noted = session.get_modelmeta().custom_metadata_map
+        names = ast.literal_eval(noted.get("names", "{}"))
         names = tuple(str(names[k]) for k in sorted(names))
         (taken, *more), given = session.get_inputs(), session.get_outputs()[0]
-        takes, gives = taken.shape, given.shape
+        size, step = _sides(taken.shape, noted)
     except Exception as error:  # onnxruntime raises a class of its own for each of its reasons
         reason = str(error).splitlines()[0][:120]
         raise WeightsError(f"{path.name}: not a network that can be opened ({reason})") from None
-    square = takes[:2] == [1, 3] and takes[2] == takes[3] and isinstance(takes[2], int)
-    if not (square and len(gives) == 3 and names and gives[:2] == [1, 4 + len(names)]):
-        raise WeightsError(
-            f"{path.name}: takes {takes} and gives {gives} for {len(names)} classes; expected "
-            "[1, 3, s, s] and [1, 4 + classes, n], as `robocon train` exports it"
-        )
     if more or {taken.type, given.type} != {"tensor(float)"}:
         raise WeightsError(
             f"{path.name}: takes {1 + len(more)} inputs, the first a {taken.type}, and gives a "
             f"{given.type}; expected one input, both tensor(float): export it without half=True"
         )
+    gives = given.shape
+    if not (size and names and len(gives) == 3 and gives[1] == 4 + len(names)):
+        raise WeightsError(
+            f"{path.name}: takes {taken.shape} and gives {gives} for {len(names)} classes; "
+            "expected [1, 3, s, s] and [1, 4 + classes, n], as `robocon train` exports it"
+        )
     kind = next((k for k, known in CLASSES.items() if known == names), None)
-    return Detector(session, names, MIN_SCORE.get(kind, 0.25))
+    return Detector(session, names, MIN_SCORE.get(kind, 0.25), size, step)
+
+
+def _sides(takes: list, noted: dict[str, str]) -> tuple[int, int]:
+    """Longer side of what a network takes and the step of both [pixels]; 0 if it takes others.
+
+    A side that is left open has a name in place of a number; what it is meant for is noted.
+    """
+    if takes[1] != 3 or isinstance(takes[2], int) != isinstance(takes[3], int):
+        return 0, 0
+    if isinstance(takes[2], int):
+        return (takes[2], takes[2]) if takes[2] == takes[3] and takes[0] == 1 else (0, 0)
+    size, step = max(ast.literal_eval(noted["imgsz"])), int(noted["stride"])
+    return (size, step) if 0 < step <= size <= LARGEST and size % step == 0 else (0, 0)
 
 
 __all__ = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import shutil
 import tempfile
@@ -23,7 +24,7 @@ def export(checkpoint: str | Path, to: str | Path, image_size: int | None = None
     to : path
         The file to write.
     image_size : int, optional  [pixels]
-        Side of the square that the file will take; as trained where it is not given.
+        Longer side of what the file is meant to take; as trained where it is not given.
 
     Returns
     -------
@@ -44,7 +45,7 @@ def export(checkpoint: str | Path, to: str | Path, image_size: int | None = None
         copy = Path(folder) / "weights.pt"
         shutil.copy2(checkpoint, copy)
         made = YOLO(copy).export(
-            format="onnx", imgsz=size, simplify=False, opset=17, dynamic=False, verbose=False
+            format="onnx", imgsz=size, simplify=False, opset=17, dynamic=True, verbose=False
         )
         _describe(made)
         _compare(copy, made, size)
@@ -57,11 +58,15 @@ def _describe(made: str) -> None:
     import onnx
 
     model = onnx.load(made)
+    noted = {entry.key: entry.value for entry in model.metadata_props}
     for entry in list(model.metadata_props):
         if entry.key == "description":
             entry.value = "YOLOv8n trained with robocon-course"
         elif entry.key == "date":
             model.metadata_props.remove(entry)
+    # The number of rows never changes, but with sides left open the exporter no longer says so.
+    rows = 4 + len(ast.literal_eval(noted["names"]))
+    model.graph.output[0].type.tensor_type.shape.dim[1].dim_value = rows
     onnx.save(model, made)
 
 
@@ -69,7 +74,7 @@ def _compare(copy: Path, made: str, size: int) -> None:
     """Refuse a file that answers otherwise than the network did."""
     import onnxruntime
 
-    image = np.random.default_rng(0).random((1, 3, size, size), np.float32)
+    image = np.random.default_rng(0).random((1, 3, size, max(32, size // 64 * 32)), np.float32)
     session = onnxruntime.InferenceSession(made, providers=["CPUExecutionProvider"])
     ours = session.run(None, {session.get_inputs()[0].name: image})[0]
     with torch.no_grad():

@@ -41,22 +41,26 @@ class Detections(NamedTuple):
 
 
 def letterbox(
-    image_bgr: NDArray[np.uint8], size: int = 320
+    image_bgr: NDArray[np.uint8], size: int = 320, step: int | None = None
 ) -> tuple[NDArray[np.float32], float, tuple[int, int]]:
-    """A picture of any shape as the square that a network takes, with grey bars beside it.
+    """A picture of any shape as a network takes it, with grey bars beside it.
 
     Parameters
     ----------
     image_bgr : ndarray of uint8, shape (h, w, 3)
     size : int  [pixels]
+        Of the longer side.
+    step : int, optional  [pixels]
+        Both sides become multiples of it, with no more grey than that takes: less for the network
+        to look at. Left out, the result is a square.
 
     Returns
     -------
-    tensor : ndarray of float32, shape (1, 3, size, size)
+    tensor : ndarray of float32, shape (1, 3, h', w')
         Red, green, blue planes, 0 to 1.
     scale : float
-        Pixels of the square per pixel of the picture.
-    shift : (int, int)  [pixels of the square]
+        Pixels of the result per pixel of the picture.
+    shift : (int, int)  [pixels of the result]
         Where the picture's left and upper edge lie.
     """
     import cv2
@@ -66,10 +70,11 @@ def letterbox(
     inner = max(1, round(width * scale)), max(1, round(height * scale))
     if inner != (width, height):
         image_bgr = cv2.resize(image_bgr, inner, interpolation=cv2.INTER_LINEAR)
-    left, top = (round((size - side) / 2 - 0.1) for side in inner)
-    square = np.full((size, size, 3), GREY, np.uint8)
-    square[top : top + inner[1], left : left + inner[0]] = image_bgr
-    return cv2.dnn.blobFromImage(square, 1 / 255.0, swapRB=True), scale, (left, top)
+    outer = [side + -side % (step or size) for side in inner]
+    left, top = (round((whole - side) / 2 - 0.1) for whole, side in zip(outer, inner, strict=True))
+    boxed = np.full((outer[1], outer[0], 3), GREY, np.uint8)
+    boxed[top : top + inner[1], left : left + inner[0]] = image_bgr
+    return cv2.dnn.blobFromImage(boxed, 1 / 255.0, swapRB=True), scale, (left, top)
 
 
 def decode(
