@@ -1,4 +1,4 @@
-"""What the autonomy and the hardware agree on: sizes, readings, commands, and two methods.
+"""Sizes, readings, commands, and the two methods of everything that can be driven.
 
 Autonomy sees an `Observation` and answers with a `Command`; whoever offers `read` and `apply` is a
 `Robot`: the simulator, a replayed log, the machine itself. The sizes below are the drawing's. The
@@ -8,20 +8,24 @@ Base frame: origin in the middle of the robot, x forward, y left, angles counter
 
 Source: 650 x 650 mm, 24.75 kg, dead wheels of 29.6028 mm radius, 537.7 mm apart and 274.5 mm
 behind the centre, 800 pulses a turn: swerve robot of Yogyakarta State University, 2024.
-LiDAR: Benewake, TFmini Plus data sheet SJ-GU-TFmini-Plus-01 A04, frame format and validity.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
-from typing import NamedTuple, Protocol, runtime_checkable
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.odometry import TrackingWheels
+
+if TYPE_CHECKING:
+    from robocon_course.vision import Detections
 
 SIDE = 0.65
 """Side of the square body [m]."""
@@ -74,6 +78,8 @@ LIDAR_HEIGHT = 0.05
 """Of every beam above the floor [m]: half the height of the boards."""
 LIDAR_RANGE = (0.1, 12.0)
 """Nearest and farthest distance that a LiDAR reports [m]."""
+WEAKEST, SATURATED = 100, 65535
+"""A strength below the first, or equal to the second, makes the distance worthless."""
 
 
 class LidarReading(NamedTuple):
@@ -97,6 +103,28 @@ class LidarReading(NamedTuple):
     temperature: float
 
 
+class Frame(NamedTuple):
+    """One picture of the camera. It arrives some time after it was taken.
+
+    Attributes
+    ----------
+    time : float  [s]
+        When it was taken, by the robot's clock.
+    pan, tilt : float  [rad, base]
+        Where the camera looked then: to the left of ahead, and down.
+    image_bgr : ndarray of uint8, shape (h, w, 3), or None
+        None where nobody draws pictures: then what a detector would say of it stands in `found`.
+    found : dict
+        Detections by the kind of network, ``"ball"`` or ``"silo"``; empty beside a picture.
+    """
+
+    time: float
+    pan: float
+    tilt: float
+    image_bgr: NDArray[np.uint8] | None = None
+    found: Mapping[str, Detections] = MappingProxyType({})
+
+
 class Observation(NamedTuple):
     """All that the robot knows about the world at one moment.
 
@@ -118,6 +146,10 @@ class Observation(NamedTuple):
     module_angles : ndarray, shape (4,)  [rad, base]
         Where the modules point, from -pi to pi.
     battery : float  [V]
+    holding : bool
+        Whether the light barrier in the gripper is interrupted: a ball is held.
+    frame : Frame or None
+        A picture that arrived since the last read.
     """
 
     time: float
@@ -129,6 +161,8 @@ class Observation(NamedTuple):
     module_speeds: FloatArray
     module_angles: FloatArray
     battery: float
+    holding: bool = False
+    frame: Frame | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,10 +176,20 @@ class Command:
     angles : array_like, shape (4,)  [rad, base]
         Where the modules shall point. Full turns do not matter: a module has no end stop, and
         takes the shorter way to the direction.
+    intake : float
+        Rollers of the gripper: above 0 they pull a ball in, below 0 they let it go, 0 holds.
+    release : bool
+        Put the held ball down over the front edge, into a silo.
+    pan, tilt : float  [rad, base]
+        Of the camera servo: to the left of ahead, and down.
     """
 
     speeds: ArrayLike
     angles: ArrayLike
+    intake: float = 0.0
+    release: bool = False
+    pan: float = 0.0
+    tilt: float = 0.0
 
     @classmethod
     def stop(cls, angles: ArrayLike = (0.0, 0.0, 0.0, 0.0)) -> Command:
@@ -181,114 +225,3 @@ class Robot(Protocol):
     def apply(self, command: Command) -> None:
         """Drive like this from now on, until the next command."""
         ...
-
-
-# --- TFmini Plus: nine bytes a reading -----------------------------------------------------------
-
-FRAME_HEAD = b"\x59\x59"
-FRAME_SIZE = 9
-WEAKEST, SATURATED = 100, 65535
-"""A strength below the first, or equal to the second, makes the distance worthless."""
-
-
-class LidarFrames(NamedTuple):
-    """What was found in a piece of a LiDAR's byte stream.
-
-    Attributes
-    ----------
-    readings : list of LidarReading
-        Oldest first, their time as given.
-    bad : int
-        Heads without a matching checksum behind them.
-    rest : bytes
-        Beginning of a frame that is not complete; put it in front of the next piece.
-    """
-
-    readings: list[LidarReading]
-    bad: int
-    rest: bytes
-
-
-def encode_lidar(reading: LidarReading, *, per_metre: int = 100) -> bytes:
-    """The nine bytes that a TFmini Plus sends for a reading.
-
-    Parameters
-    ----------
-    reading : LidarReading
-        Its time is not sent.
-    per_metre : int
-        Steps of the distance in a metre: 100, or 1000 for a sensor set to millimetres.
-
-    Returns
-    -------
-    bytes, 9 long
-        0x59 0x59, distance, strength, temperature (two bytes each, low byte first), checksum.
-
-    Raises
-    ------
-    ValueError
-        A value that does not fit into its two bytes.
-
-    Examples
-    --------
-    >>> encode_lidar(LidarReading(0.0, 1.23, 1000, 25.0)).hex(" ")
-    '59 59 7b 00 e8 03 c8 08 e8'
-    """
-    frame = bytearray(FRAME_HEAD)
-    counts = {
-        "distance": reading.distance * per_metre,
-        "strength": reading.strength,
-        "temperature": (reading.temperature + 256.0) * 8.0,
-    }
-    for name, count in counts.items():
-        if not 0.0 <= count < 65535.5:
-            raise ValueError(f"reading.{name}: {getattr(reading, name)!r} does not fit the frame")
-        frame += round(count).to_bytes(2, "little")
-    frame.append(sum(frame) & 0xFF)
-    return bytes(frame)
-
-
-def decode_lidar(stream: bytes, *, time: float = 0.0, per_metre: int = 100) -> LidarFrames:
-    """The readings in a piece of a TFmini Plus's byte stream, wherever in a frame it begins.
-
-    Parameters
-    ----------
-    stream : bytes
-        What the serial port gave, the last piece's rest in front.
-    time : float  [s]
-        Written into the readings: when the piece arrived.
-    per_metre : int
-        As in `encode_lidar`.
-
-    Returns
-    -------
-    LidarFrames
-        A distance that the strength makes worthless is 0.
-
-    Notes
-    -----
-    Two bytes 0x59 may stand inside a frame as well. Only a matching checksum makes them a head;
-    else the search goes on one byte further.
-
-    Examples
-    --------
-    >>> found = decode_lidar(bytes.fromhex("00 59 59 7b 00 e8 03 c8 08 e8 59"))
-    >>> found.readings[0].distance, found.bad, found.rest
-    (1.23, 0, b'Y')
-    """
-    readings, bad, place, done = [], 0, 0, 0
-    while (place := stream.find(FRAME_HEAD, place)) >= 0 and place + FRAME_SIZE <= len(stream):
-        frame = stream[place : place + FRAME_SIZE]
-        if sum(frame[:-1]) & 0xFF != frame[-1]:
-            bad, place = bad + 1, place + 1
-            continue
-        distance, strength, warmth = (
-            int.from_bytes(frame[k : k + 2], "little") for k in range(2, 8, 2)
-        )
-        if strength < WEAKEST or strength == SATURATED:
-            distance = 0
-        readings.append(LidarReading(time, distance / per_metre, strength, warmth / 8.0 - 256.0))
-        done = place = place + FRAME_SIZE
-    if place < 0:  # no head is left, but perhaps its first byte
-        place = max(done, len(stream) - stream.endswith(FRAME_HEAD[:1]))
-    return LidarFrames(readings, bad, stream[place:])

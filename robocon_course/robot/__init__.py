@@ -1,0 +1,65 @@
+"""What the autonomy and the hardware agree on, and what is told about it while it runs.
+
+================  ==========================================================
+``hardware``      sizes, `Observation`, `Command`, the `Robot` protocol
+``lidar_frames``  the nine bytes of a TFmini Plus
+``messages``      what is told on the bus, named as in ROS 2
+``bus``           `Bus`: who tells, and who listens
+================  ==========================================================
+"""
+
+from robocon_course.robot import messages
+from robocon_course.robot.bus import Bus
+from robocon_course.robot.hardware import (
+    BATTERY,
+    DEAD_WHEELS,
+    LIDAR_HEIGHT,
+    LIDAR_RANGE,
+    LIDARS,
+    MASS,
+    MAX_SPEED,
+    MODULES,
+    SATURATED,
+    SIDE,
+    WEAKEST,
+    Command,
+    Frame,
+    LidarMount,
+    LidarReading,
+    Observation,
+    Robot,
+)
+from robocon_course.robot.lidar_frames import (
+    FRAME_HEAD,
+    FRAME_SIZE,
+    LidarFrames,
+    decode_lidar,
+    encode_lidar,
+)
+
+__all__ = [
+    "BATTERY",
+    "DEAD_WHEELS",
+    "FRAME_HEAD",
+    "FRAME_SIZE",
+    "LIDARS",
+    "LIDAR_HEIGHT",
+    "LIDAR_RANGE",
+    "MASS",
+    "MAX_SPEED",
+    "MODULES",
+    "SATURATED",
+    "SIDE",
+    "WEAKEST",
+    "Bus",
+    "Command",
+    "Frame",
+    "LidarFrames",
+    "LidarMount",
+    "LidarReading",
+    "Observation",
+    "Robot",
+    "decode_lidar",
+    "encode_lidar",
+    "messages",
+]
