@@ -22,7 +22,7 @@ FLOORS = (
     ("gridmap", "drivetrain"),
     ("raycast",),
     ("field",),
-    ("imu", "odometry", "swerve", "planning", "tracking", "vision"),
+    ("beams", "imu", "odometry", "swerve", "planning", "tracking", "vision", "mission"),
     ("robot",),
     ("simulator", "autopilot"),
     ("worlds",),

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robocon_course import field, geometry, odometry, raycast, swerve
+from robocon_course import beams, field, geometry, odometry, raycast, swerve
 from robocon_course.robot import (
     DEAD_WHEELS,
     LIDARS,
@@ -549,7 +549,7 @@ def test_long_steps_over_blocks_find_what_short_steps_find():
         z = float(field.floor_height(x, y)) + 0.05
         angle, climb = rng.uniform(-pi, pi), rng.normal(0.0, 0.03)
         x, y = (x - world.x) / 0.01, (y - world.y) / 0.01
-        found, _ = lidar._meet(world, x, y, z, angle, climb, no_cells)
+        found, _ = beams._meet(world, x, y, z, angle, climb, no_cells)
         way, _ = raycast.walk(
             world.height, x, y, z, np.cos(angle), np.sin(angle), climb * 0.01, 1200.0, no_cells
         )

@@ -182,6 +182,8 @@ class Command:
         Put the held ball down over the front edge, into a silo.
     pan, tilt : float  [rad, base]
         Of the camera servo: to the left of ahead, and down.
+    watch : str
+        What the next pictures are for, ``"ball"`` or ``"silo"``; empty: none are needed.
     """
 
     speeds: ArrayLike
@@ -190,6 +192,7 @@ class Command:
     release: bool = False
     pan: float = 0.0
     tilt: float = 0.0
+    watch: str = ""
 
     @classmethod
     def stop(cls, angles: ArrayLike = (0.0, 0.0, 0.0, 0.0)) -> Command:

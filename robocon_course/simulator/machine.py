@@ -124,6 +124,27 @@ class Simulator:
         self._imu = np.empty((UNREAD, 6))
         self._unread = 0
 
+    def place(self, pose: ArrayLike) -> None:
+        """Somebody lifts the robot and puts it down elsewhere: at rest, clock and counters go on.
+
+        Parameters
+        ----------
+        pose : array_like, shape (3,)  [m, m, rad; map]
+
+        Raises
+        ------
+        ValueError
+            Not a pose, or one in an obstacle; the robot stays where it is.
+        """
+        pose, old = self._free_pose(pose), self._state
+        state = self._at_rest(pose, np.empty((1, physics.TRACK)))
+        state.travel[:] = old.travel  # wheels in the air do not count
+        state.battery[:] = old.battery
+        state.contact[1] = old.contact[1]
+        self._state = state
+        # Its gyroscope does not see the turn: whoever carries it presses its start button again.
+        inertial.attitude(pose[2], *state.floor[:2], self._imu_memory[:4])
+
     def step(self, dt: float) -> None:
         """Let time pass.
 
@@ -211,6 +232,12 @@ class Simulator:
     def time(self) -> float:
         """Since the last reset [s]."""
         return (self._tick + self._part) / RATE
+
+    @property
+    def motion(self) -> tuple[FloatArray, FloatArray]:
+        """Pose (3,) [m, m, rad; map] and how it changes (3,) [m/s, m/s, rad/s; map]: the truth, in
+        brief. Copies."""
+        return self._state.pose.copy(), self._state.velocity[:3].copy()
 
     @property
     def truth(self) -> Truth:

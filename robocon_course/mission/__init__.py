@@ -1,0 +1,70 @@
+"""What the robot does next: states, the table between them, and its three choices.
+
+===========  ==================================================================
+``table``    `Transition`, `Table`: checked when built; the first match wins
+``robot``    the robot's own states, what it knows (`Facts`), and its table
+``silos``    which silo to fill: two teams' orders, and a better one
+``balls``    which ball to take, and from where
+``watch``    whether the robot is stuck
+===========  ==================================================================
+"""
+
+from robocon_course.mission.balls import Approach, SeenBall, choose_ball
+from robocon_course.mission.robot import LIMITS, MISSION, RESETS, Facts, State, mission_table
+from robocon_course.mission.silos import (
+    STRATEGIES,
+    after,
+    choose_silo,
+    is_full,
+    order_a,
+    order_b,
+    own_and_theirs,
+    owner,
+    winner,
+)
+from robocon_course.mission.table import (
+    ANY,
+    History,
+    MissionError,
+    Step,
+    Table,
+    Transition,
+    dead_ends,
+    mermaid,
+    next_transition,
+    reachable,
+)
+from robocon_course.mission.watch import Watch, is_stuck
+
+__all__ = [
+    "ANY",
+    "LIMITS",
+    "MISSION",
+    "RESETS",
+    "STRATEGIES",
+    "Approach",
+    "Facts",
+    "History",
+    "MissionError",
+    "SeenBall",
+    "State",
+    "Step",
+    "Table",
+    "Transition",
+    "Watch",
+    "after",
+    "choose_ball",
+    "choose_silo",
+    "dead_ends",
+    "is_full",
+    "is_stuck",
+    "mermaid",
+    "mission_table",
+    "next_transition",
+    "order_a",
+    "order_b",
+    "own_and_theirs",
+    "owner",
+    "reachable",
+    "winner",
+]

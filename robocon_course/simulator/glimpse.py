@@ -1,0 +1,167 @@
+"""What a detector would say of a scene, without a picture: true outlines, and its usual mistakes.
+
+For campaigns of hundreds of matches. Each thing in view is hidden by what stands nearer, found with
+a chance that falls with its size and with what is seen of it, framed a little wrong, and now and
+then taken for another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from robocon_course import field
+from robocon_course._arrays import FloatArray
+from robocon_course.vision import BALLS, SILOS, Camera, Detections
+
+
+class Mistakes(NamedTuple):
+    """How a detector errs.
+
+    Attributes
+    ----------
+    edge : float  [pixels]
+        Standard deviation of each side of a box.
+    miss : float
+        Chance that a thing in full view is not found.
+    other : float
+        Chance that it is taken for another colour, or a silo for one of another filling.
+    small : float  [pixels]
+        Of a thing that is so wide, half are missed.
+    """
+
+    edge: float = 0.8
+    miss: float = 0.03
+    other: float = 0.01
+    small: float = 6.0
+
+
+_ANGLES = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+# Points of a disc: its rim, and a ring inside it.
+_DISC = np.vstack([np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)]) * r for r in (1.0, 0.55)])
+_CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (0, 1)], float)
+LEAST_SEEN = 0.15
+"""Of a thing of which less is seen nothing is said."""
+
+
+def balls_seen(
+    camera: Camera,
+    T_map_camera: FloatArray,
+    centres: FloatArray,
+    colours: Sequence[str],
+    rng: np.random.Generator,
+    mistakes: Mistakes = Mistakes(),  # noqa: B008 - a NamedTuple cannot change
+) -> Detections:
+    """The balls in view.
+
+    Parameters
+    ----------
+    camera : Camera
+    T_map_camera : ndarray, shape (4, 4)
+    centres : ndarray, shape (n, 3)  [m, map]
+    colours : sequence of str
+    rng : numpy.random.Generator
+    mistakes : Mistakes
+
+    Returns
+    -------
+    Detections
+    """
+    away = (np.asarray(centres, float).reshape(-1, 3) - T_map_camera[:3, 3]) @ T_map_camera[:3, :3]
+    ahead = np.flatnonzero(away[:, 2] > 0.3)
+    away = away[ahead[np.argsort(away[ahead, 2], kind="stable")]]
+    order = ahead[np.argsort(
+        (np.asarray(centres)[ahead] - T_map_camera[:3, 3]) @ T_map_camera[:3, 2], kind="stable"
+    )] if len(ahead) else ahead  # fmt: skip
+    points = _project(camera, _outlines(away))
+    width, height = camera.width, camera.height
+    inside = ((points > 0) & (points < (width, height))).all(axis=-1)
+    middle, rim = points.mean(axis=1), points[:, : len(_ANGLES)]
+    radius = 0.5 * np.ptp(rim[..., 0], axis=1)
+    boxes, ids, shares = [], [], []
+    for k, ball in enumerate(order):
+        if not inside[k].any():
+            continue
+        gap = np.linalg.norm(points[k][:, None] - middle[None, :k], axis=-1)
+        seen = inside[k] & (gap > radius[None, :k]).all(axis=1)
+        if seen.mean() < LEAST_SEEN:
+            continue
+        shown = points[k][seen]
+        boxes.append(np.r_[shown.min(axis=0), shown.max(axis=0)])
+        ids.append(BALLS.index(colours[ball]))
+        shares.append(seen.mean())
+    return _told(camera, boxes, ids, shares, len(BALLS), rng, mistakes)
+
+
+def silos_seen(
+    camera: Camera,
+    T_map_camera: FloatArray,
+    fillings: Sequence[str],
+    rng: np.random.Generator,
+    mistakes: Mistakes = Mistakes(),  # noqa: B008 - a NamedTuple cannot change
+) -> Detections:
+    """The silos in view, as `balls_seen`; `fillings` are those of silos 1 to 5."""
+    boxes, ids, shares = [], [], []
+    for (x, y), filling in zip(field.SILOS, fillings, strict=True):
+        tall = field.SILO_HEIGHT + (0.135 if len(filling) == 3 else 0.0)
+        half = 0.5 * field.SILO_DIAMETER
+        corners = _CORNERS * (half, half, tall) + (x, y, field.SILO_ZONE.height)
+        away = (corners - T_map_camera[:3, 3]) @ T_map_camera[:3, :3]
+        if away[:, 2].min() < 0.3:
+            continue
+        points = _project(camera, away[None])[0]
+        box = np.r_[points.min(axis=0), points.max(axis=0)]
+        cut = np.clip(box, 0, (camera.width, camera.height) * 2)
+        share = np.prod(cut[2:] - cut[:2]) / np.prod(box[2:] - box[:2])
+        if share < 0.6:
+            continue
+        boxes.append(cut)
+        ids.append(SILOS.index(filling))
+        shares.append(share)
+    return _told(camera, boxes, ids, shares, len(SILOS), rng, mistakes)
+
+
+def _outlines(away: FloatArray) -> FloatArray:
+    """Points on the balls' outlines and inside them, (n, k, 3) [m, camera], from their middles."""
+    far = np.linalg.norm(away, axis=1, keepdims=True)
+    towards = away / far
+    share = (0.5 * field.BALL_DIAMETER / far) ** 2
+    radius = 0.5 * field.BALL_DIAMETER * np.sqrt(1.0 - np.minimum(share, 0.9))
+    across = np.cross(towards, (0.0, 1.0, 0.0))
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    upright = np.cross(towards, across)
+    flat = _DISC[None, :, :1] * across[:, None] + _DISC[None, :, 1:] * upright[:, None]
+    return (away * (1.0 - share))[:, None] + radius[:, None] * flat
+
+
+def _project(camera: Camera, points: FloatArray) -> FloatArray:
+    """Pixels of points in front of the camera, (..., 2); the lens bends little, and none here."""
+    return points[..., :2] / np.maximum(points[..., 2:], 0.05) * camera.focal + camera.centre
+
+
+def _told(
+    camera: Camera,
+    boxes: list[FloatArray],
+    ids: list[int],
+    shares: list[float],
+    classes: int,
+    rng: np.random.Generator,
+    mistakes: Mistakes,
+) -> Detections:
+    """What is said of the things in view."""
+    count = len(boxes)
+    framed = np.array(boxes, float).reshape(-1, 4) + rng.normal(0.0, mistakes.edge, (count, 4))
+    luck, other, doubt = rng.random(count), rng.random(count), rng.random(count)
+    number, share = np.array(ids, np.int64), np.array(shares, float)
+    side = (framed[:, 2:] - framed[:, :2]).min(axis=1, initial=np.inf)
+    chance = (1.0 - mistakes.miss) * np.clip(3.0 * share, 0.0, 1.0)
+    chance = chance * (1.0 - 0.5 ** np.maximum(side / mistakes.small, 0.0))
+    shift = rng.integers(1, classes, count)
+    number = np.where(other < mistakes.other, (number + shift) % classes, number)
+    scores = (0.95 - 0.25 * doubt * (1.5 - np.minimum(share, 1.0))).astype(np.float32)
+    framed = np.clip(framed, 0, (camera.width, camera.height) * 2).astype(np.float32)
+    kept = np.flatnonzero((luck < chance) & (side > 2.0))
+    kept = kept[np.argsort(-scores[kept], kind="stable")]
+    return Detections(framed[kept], scores[kept], number[kept])

@@ -1,0 +1,442 @@
+"""A whole match in the simulator: robot, balls, silos, camera, the other team, the clock.
+
+A `Match` is a `Robot`: `read` and `apply` are all that autonomy sees of it. Who runs it calls
+`step` in between, and looks at `referee` and `robot.truth` for the score and the truth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import cos, hypot, pi, radians, sin
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from robocon_course import field
+from robocon_course._arrays import CourseError, FloatArray
+from robocon_course.mission import is_full, order_b
+from robocon_course.robot import Command, Frame, LidarReading, Observation
+from robocon_course.simulator import balls as rolling
+from robocon_course.simulator.balls import FREE, HELD, OUT, Balls
+from robocon_course.simulator.camera import FieldCamera
+from robocon_course.simulator.glimpse import balls_seen, silos_seen
+from robocon_course.simulator.machine import START, Simulator
+from robocon_course.simulator.model import RobotModel
+from robocon_course.simulator.referee import (
+    MATCH,
+    OPPONENTS,
+    RETRY_COSTS,
+    Referee,
+    plan,
+)  # fmt: skip
+from robocon_course.simulator.sensors import SensorModel
+from robocon_course.vision.camera import Camera, camera_pose
+
+CAMERA = Camera()
+CYCLE = 0.01
+"""Of control [s]."""
+FRAMES, LATENCY = 0.1, 0.08
+"""A picture is taken so often, and arrives so much later [s]."""
+SERVO = 4.0
+"""The camera turns so fast [rad/s]."""
+RETRY_POSE = (0.5, 5.5, 0.0)
+PLACED, TURNED = 0.003, radians(0.1)
+"""How exactly a crew puts the robot down: at most so far off [m], standard deviation [rad]."""
+ARM = 0.50
+"""Where the gripper lets a ball fall: so far ahead of the robot's middle [m]."""
+LETTING_GO = 0.5
+"""It takes so long [s]."""
+BORE = 0.06
+"""A ball that falls no farther than this beside a silo's middle slides in [m]."""
+FEED = (12.0, 7.0, 24)
+"""Robot 1 sends a ball from then on, so often, so many, own and empty in turns [s, s]."""
+KINDS = ("dark", "lidar", "slip", "drop", "filled", "kidnap", "frozen")
+STREAMS = ("pile", "placing", "opponent", "feed", "camera", "sensors")
+
+
+class Fault(NamedTuple):
+    """Something that goes wrong.
+
+    Attributes
+    ----------
+    kind : str
+        ``"dark"``: the camera sees black. ``"lidar"``: no LiDAR answers. ``"slip"``: a dead wheel
+        slips. ``"drop"``: the ball is lost from the gripper. ``"filled"``: the other team fills the
+        silo that the robot is about to reach. ``"kidnap"``: somebody puts the robot elsewhere.
+        ``"frozen"``: every read gives the same observation.
+    start : float  [s]
+        Of the match.
+    duration : float  [s]
+        Where it lasts.
+    """
+
+    kind: str
+    start: float
+    duration: float = 5.0
+
+
+class Match:
+    """A match of three minutes, ready for its set-up.
+
+    Parameters
+    ----------
+    seed : int
+        Of everything: pile, placing, other team, noise, hall.
+    team : {"red", "blue"}
+    opponent : {"weak", "middling", "strong"} or None
+        None: nobody plays against us.
+    model, sensors
+        As for `Simulator`.
+    drawn : bool
+        Draw what the camera sees; else frames hold what a detector would say.
+    faults : sequence of Fault
+
+    Attributes
+    ----------
+    robot : Simulator
+    balls : Balls
+    referee : Referee
+    started : float or None  [s]
+        On the robot's clock.
+    retries : int
+        How often the crew put the robot into the Retry Zone.
+    pan, tilt : float  [rad]
+        Of the camera servo now.
+
+    Raises
+    ------
+    CourseError
+        Another team, opponent or fault.
+    """
+
+    def __init__(
+        self,
+        seed: int = 0,
+        *,
+        team: str = "red",
+        opponent: str | None = "weak",
+        model: RobotModel | None = None,
+        sensors: SensorModel | None = None,
+        drawn: bool = False,
+        faults: Sequence[Fault] = (),
+    ) -> None:
+        _refuse("team", team, ("red", "blue"))
+        _refuse("opponent", opponent, (None, *OPPONENTS))
+        for fault in faults:
+            _refuse("faults", fault.kind, KINDS)
+        words = np.random.SeedSequence([int(seed), 2024]).spawn(len(STREAMS))
+        self._rng = {name: np.random.Generator(np.random.PCG64(w))
+                     for name, w in zip(STREAMS, words, strict=True)}  # fmt: skip
+        self.team, self.seed, self.faults = team, seed, tuple(faults)
+        self.referee = Referee({"red": "R", "blue": "B"}[team])
+        self.robot = Simulator(model, sensors=_slipping(sensors, faults), start=START)
+        self._noise_seed = int(self._rng["sensors"].integers(1 << 31))
+        self.robot.reset(self._noise_seed)
+        pile = self._rng["pile"].permutation([team] * 6 + ["purple"] * 10)
+        self.balls = Balls(np.array(field.PILE_BALLS), [str(name) for name in pile])
+        self._theirs = plan(self._rng["opponent"], OPPONENTS[opponent]) if opponent else []
+        self._their_y = float(field.SILO_POST[1])
+        self._eye = FieldCamera(int(self._rng["camera"].integers(1 << 31))) if drawn else None
+        self.started: float | None = None
+        self.retries, self._waits_until, self._area_2 = 0, 0.0, False
+        self.pan = self.tilt = 0.0
+        self._command = Command.stop()
+        self._pulled = self._released = 0.0
+        self._frames: list[Frame] = []
+        self._next_frame, self._fed, self._planted = 0.0, 0, 0
+        self._done: set[Fault] = set()
+        self._last: Observation | None = None
+
+    # --- before the match -------------------------------------------------------------------------
+
+    def set_up(self, seconds: float = 1.0) -> list[tuple[FloatArray, list[tuple[LidarReading]]]]:
+        """What the LiDARs say while the crew turns the robot by quarter turns on its start.
+
+        One after the other, each looks at the fence on the left of the start zone. Then the robot
+        stands at its start.
+
+        Parameters
+        ----------
+        seconds : float
+            At each heading.
+
+        Returns
+        -------
+        list of (pose, readings)
+            The pose (3,) [m, m, rad; map] the crew meant, and one tuple of readings a cycle.
+        """
+        told = []
+        for heading in (0.0, pi / 2, pi, -pi / 2):
+            meant = np.array([START[0], START[1] + 0.05, heading])
+            self.robot.place(self._put(meant))
+            readings = []
+            for _ in range(round(seconds / CYCLE)):
+                self.robot.step(CYCLE)
+                readings.append(self.robot.read().lidar)
+            told.append((meant, readings))
+        self.robot.place(self._put(np.array(START)))
+        self.robot.step(0.5)
+        return told
+
+    def start(self) -> None:
+        """The clock runs from now on."""
+        self.started = self.robot.time
+        self._next_frame = self.robot.time
+
+    def _put(self, pose: FloatArray) -> FloatArray:
+        rng = self._rng["placing"]
+        off = rng.uniform(-PLACED, PLACED, 2)
+        return pose + (*off, TURNED * float(np.clip(rng.standard_normal(), -2.0, 2.0)))
+
+    # --- the Robot protocol -----------------------------------------------------------------------
+
+    def read(self) -> Observation:
+        """What the sensors say now, the gripper and the camera among them."""
+        if self._last is not None and self._now("frozen"):
+            return self._last
+        seen = self.robot.read()
+        if self._now("lidar"):
+            dead = tuple(r._replace(distance=0.0, strength=0) for r in seen.lidar)
+            seen = seen._replace(lidar=dead)
+        frame = None
+        while self._frames and self._frames[0].time + LATENCY <= seen.time + 1e-9:
+            frame = self._frames.pop(0)
+        self._last = seen._replace(holding=self.balls.held >= 0, frame=frame)
+        return self._last
+
+    def apply(self, command: Command) -> None:
+        """Do this from now on, until the next command."""
+        if self.waiting:
+            command = Command.stop(self.robot.truth.module_angles)
+        self.robot.apply(command)
+        self._command = command
+
+    # --- time -------------------------------------------------------------------------------------
+
+    @property
+    def clock(self) -> float:
+        """Since the start [s]; 0 before it."""
+        return 0.0 if self.started is None else self.robot.time - self.started
+
+    @property
+    def waiting(self) -> bool:
+        """Whether the robot stands in the Retry Zone and has to wait."""
+        return self.clock < self._waits_until
+
+    @property
+    def over(self) -> bool:
+        """Whether the match has ended."""
+        return bool(self.referee.winner)
+
+    def step(self) -> None:
+        """Let a control cycle pass."""
+        self.robot.step(CYCLE)
+        pose, motion = self.robot.motion
+        self._turn_camera()
+        pull = 0.0 if self.waiting else float(self._command.intake)
+        touched = rolling.roll(
+            self.balls.xy, self.balls.velocity, self.balls.place, pose, motion, pull, CYCLE
+        )
+        if self.started is None or self.over:
+            return
+        self._grip(touched, pull)
+        self._let_go(pose, pull)
+        self._others()
+        self._go_wrong(pose)
+        self._area_2 |= bool(pose[1] > 4.5)
+        if self._command.watch and self.robot.time >= self._next_frame - 1e-9:
+            self._take_frame(pose)
+            self._next_frame = self.robot.time + FRAMES
+        if self.clock >= MATCH - 1e-9:
+            self.referee.time_is_up(MATCH)
+
+    def retry(self) -> None:
+        """The crew carries the robot to the Retry Zone; the ball it carried leaves the game."""
+        if self.balls.held >= 0:
+            self.balls.place[self.balls.held] = OUT
+        home = RETRY_POSE if self._area_2 else START
+        self.robot.place(self._put(np.array(home)))
+        self.apply(Command.stop())
+        self.retries += 1
+        self._waits_until = self.clock + RETRY_COSTS
+        self._frames.clear()
+        self._pulled = self._released = 0.0
+        self.referee.note(self.clock, "retry")
+
+    @property
+    def home(self) -> tuple[float, float, float]:
+        """Where a retry puts the robot, as the crew means it [m, m, rad; map]."""
+        return RETRY_POSE if self._area_2 else START
+
+    # --- gripper ----------------------------------------------------------------------------------
+
+    def _grip(self, touched: int, pull: float) -> None:
+        """Rollers that turn take the ball before them, whatever it is."""
+        self._pulled = self._pulled + CYCLE if touched >= 0 and pull > 0.0 else 0.0
+        if self._pulled < rolling.PULL:
+            return
+        self._pulled = 0.0
+        colour = self.balls.colours[touched]
+        if self.balls.held >= 0 or colour != self.team:
+            what = "a second ball" if self.balls.held >= 0 else f"a {colour} ball"
+            self.referee.note(self.clock, "foul", "own", f"gripped {what}")
+            self.balls.place[touched] = OUT
+            self.retry()
+            return
+        self.balls.place[touched] = HELD
+        self.referee.note(self.clock, "taken")
+
+    def _let_go(self, pose: FloatArray, pull: float) -> None:
+        """The held ball over the front edge into a silo, or through the rollers to the floor."""
+        ball = self.balls.held
+        self._released = self._released + CYCLE if ball >= 0 and self._command.release else 0.0
+        c, s = cos(pose[2]), sin(pose[2])
+        if ball >= 0 and pull < 0.0:
+            reach = 0.45
+            self._put_down(ball, (pose[0] + reach * c, pose[1] + reach * s), (0.4 * c, 0.4 * s))
+        if self._released < LETTING_GO:
+            return
+        self._released = 0.0
+        x, y = pose[0] + ARM * c, pose[1] + ARM * s
+        away = [hypot(x - sx, y - sy) for sx, sy in field.SILOS]
+        silo = int(np.argmin(away))
+        if away[silo] <= BORE and self.referee.store(self.clock, "own", silo):
+            self.balls.place[ball] = OUT
+        elif x > 5.75:  # on the Silo Zone nobody gets it any more
+            self.balls.place[ball] = OUT
+            self.referee.note(self.clock, "lost ball", "own", f"{away[silo]:.3f} m beside a silo")
+        else:
+            self._put_down(ball, (x, y), (0.0, 0.0))
+            self.referee.note(self.clock, "lost ball", "own", "let go over the floor")
+
+    def _put_down(self, ball: int, xy: tuple, velocity: tuple) -> None:
+        self.balls.xy[ball] = np.clip(xy, rolling.LOW, rolling.HIGH)
+        self.balls.velocity[ball] = velocity
+        self.balls.place[ball] = FREE
+
+    # --- the others -------------------------------------------------------------------------------
+
+    def _others(self) -> None:
+        """The other team's Robot 2, and both Robots 1."""
+        now, referee = self.clock, self.referee
+        while self._theirs and self._theirs[0][0] <= now and not self.over:
+            _, falls_in = self._theirs.pop(0)
+            theirs = "blue" if self.team == "red" else "red"
+            silo = order_b(referee.fillings, theirs, self._their_y)
+            if silo is None:
+                continue
+            self._their_y = float(field.SILOS[silo][1])
+            if falls_in:
+                referee.store(now, "theirs", silo)
+            else:
+                referee.note(now, "lost ball", "theirs")
+        if self._planted < 12 and now >= 5.0 * (self._planted + 1):
+            self._planted += 1
+            referee.give(now, "own", "seedling")
+            referee.give(now, "theirs", "seedling")
+        first, every, most = FEED
+        if self._fed < most and now >= first + every * self._fed:
+            rng = self._rng["feed"]
+            at = float(rng.uniform(0.5, 1.9)), 8.15
+            speed = float(rng.uniform(-0.15, 0.15)), float(rng.uniform(0.5, 0.9))
+            self.balls.add(at, speed, (self.team, "purple")[self._fed % 2])
+            self._fed += 1
+            referee.give(now, "own", "transfer")
+            referee.give(now, "theirs", "transfer")
+
+    # --- camera -----------------------------------------------------------------------------------
+
+    def _turn_camera(self) -> None:
+        most = SERVO * CYCLE
+        for name in ("pan", "tilt"):
+            wanted, now = float(getattr(self._command, name)), getattr(self, name)
+            setattr(self, name, now + min(max(wanted - now, -most), most))
+
+    def _take_frame(self, pose: FloatArray) -> None:
+        kind, pan, tilt = self._command.watch, self.pan, self.tilt
+        free = self.balls.free
+        xy = self.balls.xy[free]
+        heights = field.floor_height(xy[:, 0], xy[:, 1]) + rolling.RADIUS
+        centres = np.column_stack([xy, heights])
+        colours = [self.balls.colours[k] for k in free]
+        dark = self._now("dark")
+        image, found = None, {}
+        if self._eye is not None:
+            image = np.zeros((240, 320, 3), np.uint8) if dark else self._eye.look(
+                pose, pan=pan, tilt=tilt, kind=kind,
+                balls=[(tuple(c), name) for c, name in zip(centres, colours, strict=True)],
+                silos=[filling or "empty" for filling in self.referee.fillings],
+            ).image_bgr  # fmt: skip
+        elif not dark:
+            found = {kind: self._said(pose, kind, centres, colours)}
+        self._frames.append(Frame(self.robot.time, pan, tilt, image, found))
+
+    def _said(self, pose: FloatArray, kind: str, centres: FloatArray, colours: list[str]) -> Any:
+        floor = float(field.floor_height(pose[0], pose[1]))
+        T_map_camera = camera_pose(pose, floor, pan=self.pan, tilt=self.tilt)
+        rng, camera = self._rng["camera"], CAMERA
+        if kind == "ball":
+            return balls_seen(camera, T_map_camera, centres, colours, rng)
+        fillings = [filling or "empty" for filling in self.referee.fillings]
+        return silos_seen(camera, T_map_camera, fillings, rng)
+
+    # --- faults -----------------------------------------------------------------------------------
+
+    def _now(self, kind: str) -> bool:
+        """Whether a fault that lasts is there."""
+        return self.started is not None and any(
+            f.kind == kind and f.start <= self.clock < f.start + f.duration for f in self.faults
+        )
+
+    def _go_wrong(self, pose: FloatArray) -> None:
+        """Faults that happen once, as soon as they can after their time."""
+        for fault in self.faults:
+            if fault in self._done or self.clock < fault.start:
+                continue
+            happen = HAPPENS.get(fault.kind)
+            if happen is not None and happen(self, pose):
+                self._done.add(fault)
+                self.referee.note(self.clock, "fault", "own", fault.kind)
+
+    def _drop(self, pose: FloatArray) -> bool:
+        if self.balls.held < 0:
+            return False
+        c, s = cos(pose[2] + 0.6), sin(pose[2] + 0.6)
+        self._put_down(self.balls.held, (pose[0] + 0.6 * c, pose[1] + 0.6 * s), (0.5 * c, 0.5 * s))
+        return True
+
+    def _fill(self, pose: FloatArray) -> bool:
+        if self.balls.held < 0 or pose[0] < 5.0:
+            return False
+        silo = int(np.argmin([abs(pose[1] - y) for _, y in field.SILOS]))
+        while not is_full(self.referee.fillings[silo]) and not self.over:
+            self.referee.store(self.clock, "theirs", silo)
+        return True
+
+    def _kidnap(self, pose: FloatArray) -> bool:
+        if pose[1] < 8.6 or not 3.3 < pose[0] < 5.4 or abs(sin(2.0 * pose[2])) > 0.1:
+            return False
+        aside = 1.1 if pose[1] < 10.0 else -1.1
+        self.robot.place((max(pose[0] - 0.6, 3.4), pose[1] + aside, pose[2]))
+        return True
+
+
+HAPPENS: dict[str, Callable[[Match, FloatArray], bool]] = {
+    "drop": Match._drop,
+    "filled": Match._fill,
+    "kidnap": Match._kidnap,
+}
+
+
+def _slipping(sensors: SensorModel | None, faults: Sequence[Fault]) -> SensorModel:
+    """Sensors of which a dead wheel does not turn with the floor for a while."""
+    sensors = sensors or SensorModel()
+    gaps = tuple((0, f.start + 5.0, f.start + 5.0 + min(f.duration, 0.3))
+                 for f in faults if f.kind == "slip")  # fmt: skip
+    return replace(sensors, encoder_gaps=(*sensors.encoder_gaps, *gaps)) if gaps else sensors
+
+
+def _refuse(name: str, got: object, known: Sequence) -> None:
+    if got not in known:
+        raise CourseError(f"{name}: expected one of {', '.join(map(str, known))}, got {got!r}")
