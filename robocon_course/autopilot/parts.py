@@ -10,7 +10,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
-from robocon_course import geometry, gridmap, imu, odometry, planning, swerve, tracking, vision
+from robocon_course import (
+    geometry,
+    gridmap,
+    imu,
+    mission,
+    odometry,
+    planning,
+    swerve,
+    tracking,
+    vision,
+)
 from robocon_course.drivetrain import wheel_matrix
 
 Part = Callable[..., Any]
@@ -46,6 +56,10 @@ class Parts:
     non_max_suppression: Part = vision.non_max_suppression
     bearing_and_range: Part = vision.bearing_and_range
     silo_contents: Part = vision.silo_contents
+    next_transition: Part = mission.next_transition
+    choose_ball: Part = mission.choose_ball
+    choose_silo: Part = mission.choose_silo
+    is_stuck: Part = mission.is_stuck
     pose_feedback: Part = swerve.pose_feedback
     field_to_robot: Part = swerve.field_to_robot
     discretize: Part = swerve.discretize

@@ -12,6 +12,7 @@
 from robocon_course.mission.balls import Approach, SeenBall, choose_ball
 from robocon_course.mission.robot import LIMITS, MISSION, RESETS, Facts, State, mission_table
 from robocon_course.mission.silos import (
+    LETTERS,
     STRATEGIES,
     after,
     choose_silo,
@@ -38,6 +39,7 @@ from robocon_course.mission.watch import Watch, is_stuck
 
 __all__ = [
     "ANY",
+    "LETTERS",
     "LIMITS",
     "MISSION",
     "RESETS",

@@ -94,7 +94,7 @@ class Facts(NamedTuple):
 S = State
 LIMITS: dict[State, tuple[float, State]] = {
     S.GO_TO_AREA_3: (40.0, S.STUCK),
-    S.LIDAR_RESET: (2.5, S.DETECT_BALL),
+    S.LIDAR_RESET: (2.5, S.BACK_TO_STORAGE),
     S.DETECT_BALL: (2.0, S.SEARCH_BALL),
     S.SEARCH_BALL: (6.0, S.PUSH_PILE),
     S.PUSH_PILE: (6.0, S.REVERSE),
@@ -135,7 +135,7 @@ def _as_it_stands(source: State, guard: Callable[[Facts], bool], label: str) -> 
                    f"{label}, not in Area 3 yet"),
         Transition(source, S.SEARCH_SILO, lambda f: guard(f) and f.holding,
                    f"{label}, with a ball"),
-        Transition(source, S.DETECT_BALL, guard, f"{label}, without a ball"),
+        Transition(source, S.BACK_TO_STORAGE, guard, f"{label}, without a ball"),
     ]  # fmt: skip
 
 

@@ -17,7 +17,8 @@ from functools import cache
 from robocon_course._arrays import CourseError
 from robocon_course.field import SILO_CAPACITY, SILOS
 
-LETTER = {"red": "R", "blue": "B"}
+LETTERS = {"red": "R", "blue": "B"}
+"""Of each team's balls."""
 WINS = 3
 """So many silos win at once."""
 DISTANCE_WEIGHT = 0.1
@@ -188,6 +189,6 @@ def _balls(filling: str) -> str:
 
 
 def _letter(team: str) -> str:
-    if team not in LETTER:
+    if team not in LETTERS:
         raise CourseError(f"team: expected 'red' or 'blue', got {team!r}")
-    return LETTER[team]
+    return LETTERS[team]

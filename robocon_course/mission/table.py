@@ -191,6 +191,7 @@ class Table:
             for state, (seconds, target) in self.limits.items()
         )
         self._check()
+        self._of = {state: [row for row in self.rows if row.source == state] for state in states}
 
     def _written_out(self, rows: Sequence[Transition]) -> Iterable[Transition]:
         for row in rows:
@@ -226,13 +227,13 @@ class Table:
             Handed to the guards; limits read its ``waited`` [s].
         now : float  [s]
         choose : callable
-            Takes rows, state and facts; `next_transition`, or a student's.
+            Takes the state's rows, the state and the facts; `next_transition`, or a student's.
 
         Returns
         -------
         History
         """
-        row = choose(self.rows, at.state, facts)
+        row = choose(self._of[at.state], at.state, facts)
         if row is None:
             return at
         step = Step(now, at.state, row.target, row.label)

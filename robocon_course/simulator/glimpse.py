@@ -137,8 +137,8 @@ def _outlines(away: FloatArray) -> FloatArray:
 
 
 def _project(camera: Camera, points: FloatArray) -> FloatArray:
-    """Pixels of points in front of the camera, (..., 2); the lens bends little, and none here."""
-    return points[..., :2] / np.maximum(points[..., 2:], 0.05) * camera.focal + camera.centre
+    """Pixels of points in front of the camera, (..., 2), from the camera frame."""
+    return camera.pixels(points.reshape(-1, 3)).reshape(*points.shape[:-1], 2)
 
 
 def _told(

@@ -187,7 +187,8 @@ class Match:
     def _put(self, pose: FloatArray) -> FloatArray:
         rng = self._rng["placing"]
         off = rng.uniform(-PLACED, PLACED, 2)
-        return pose + (*off, TURNED * float(np.clip(rng.standard_normal(), -2.0, 2.0)))
+        turn = TURNED * float(np.clip(rng.standard_normal(), -2.0, 2.0))
+        return pose + np.array([*off, turn])
 
     # --- the Robot protocol -----------------------------------------------------------------------
 

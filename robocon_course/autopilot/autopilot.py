@@ -1,0 +1,401 @@
+"""The robot plays by itself: observation in, command out, a hundred times a second.
+
+    Observation → reckon → walls → pose ─┐
+    Frame → sight → balls, silos ────────┼→ facts → mission table → play → target
+                                         └→ route → follow → modules → Command
+
+A reading that is missing, stale, frozen or absurd is counted and bridged. Where none can be used for
+a while the mission says so (`State.NO_SENSORS`) and the robot stands. Nothing here raises for a value.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import hypot, inf, isfinite, nan, remainder
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robocon_course import field
+from robocon_course._arrays import CourseError, FloatArray, as_floats
+from robocon_course.autopilot.following import Following, FollowSettings, follow_step
+from robocon_course.autopilot.modules import hold, module_command
+from robocon_course.autopilot.parts import Parts
+from robocon_course.autopilot.plays import PLAYS, Order, approach_to_ball
+from robocon_course.autopilot.route import DriveLimits, Route, plan_route
+from robocon_course.autopilot.sensing import Reckoning, lidar_y, reckon
+from robocon_course.autopilot.sight import Sight
+from robocon_course.autopilot.walls import Walls, correct, found_again
+from robocon_course.geometry import TURN, distance_along
+from robocon_course.gridmap import GridMap
+from robocon_course.mission import (
+    LETTERS,
+    RESETS,
+    Facts,
+    History,
+    State,
+    Table,
+    Watch,
+    mission_table,
+)
+from robocon_course.odometry import TrackingWheels
+from robocon_course.planning import NoPathError
+from robocon_course.robot import DEAD_WHEELS, Command, Observation
+
+START_POSE = (*field.START, 0.0)
+LENGTH = 180.0
+"""Of a match [s]."""
+BLIND_AFTER = 30
+"""So many observations in a row without use, and the robot stands."""
+STANDS = 0.03
+"""Slower than this by its wheels it stands [m/s]."""
+NEAR = 0.03
+"""So near to its target the robot holds it, without a path [m]."""
+MOVED = 0.015
+"""A target that moves farther than this gets a new path [m]."""
+TURN_ROOM = 0.475
+"""From the middle to a wall: nearer the robot does not turn [m]."""
+SPEAKS = 400
+"""So many lines of its log are kept."""
+BALL_STATES = (State.DETECT_BALL, State.SEARCH_BALL, State.TAKE_BALL, State.BACK_TO_STORAGE)
+DRIVES = FollowSettings(spin=3.0)
+
+
+class Autopilot:
+    """Plays a match.
+
+    Parameters
+    ----------
+    parts : Parts
+    wheels : TrackingWheels
+        What it believes of its dead wheels.
+    team : {"red", "blue"}
+    start : array_like, shape (3,)  [m, m, rad; map]
+        Where the crew put it.
+    offsets : array_like, shape (4,), optional  [m]
+        What each LiDAR reads too much.
+    use_walls, use_imu : bool
+        Whether LiDARs correct the pose; whether the gyroscope tells the heading.
+
+    Attributes
+    ----------
+    pose : ndarray, shape (3,)  [m, m, rad; map]
+        Where it believes to be.
+    history : History
+        Of the mission.
+    facts : Facts
+        What the mission decided by last.
+    sight : Sight
+        Balls and silos.
+    walls : Walls
+    plan : ndarray, shape (n, 2)  [m, map]
+        The path it drives.
+    speaks : list of (float, str, str)
+        Time [s], level and text of what the operator should know.
+
+    Raises
+    ------
+    CourseError
+        Another team.
+    ValueError
+        A start that is no pose.
+    """
+
+    def __init__(
+        self,
+        parts: Parts | None = None,
+        wheels: TrackingWheels = DEAD_WHEELS,
+        team: str = "red",
+        *,
+        start: ArrayLike = START_POSE,
+        offsets: ArrayLike = (0.0, 0.0, 0.0, 0.0),
+        use_walls: bool = True,
+        use_imu: bool = True,
+    ) -> None:
+        if team not in LETTERS:
+            raise CourseError(f"team: expected 'red' or 'blue', got {team!r}")
+        self.parts, self.wheels, self.team = parts or Parts(), wheels, team
+        self.use_walls, self.use_imu = use_walls, use_imu
+        self.table: Table = mission_table()
+        self.history: History = self.table.begin()
+        self.facts = Facts()
+        self.reckoning = Reckoning.at(start)
+        self.walls = Walls(np.full(2, 0.005), as_floats(offsets, "offsets", 4))
+        self.sight = Sight(self.parts)
+        self.notes: dict[str, Any] = {}
+        self.plan: FloatArray = np.empty((0, 2))
+        self.speaks: list[tuple[float, str, str]] = []
+        self.now, self.ordered = 0.0, (0.0, 0.0)
+        self._begins, self._ends = inf, inf
+        self._watch, self._speed, self._motion = Watch(), 0.0, np.zeros(2)
+        self._route: Route | None = None
+        self._target: tuple[float, float, float] | None = None
+        self._following: Following | None = None
+        self._order, self._held, self._sought = Order(), False, -inf
+        self._heading = float(self.reckoning.pose[2])
+
+    # --- the crew ---------------------------------------------------------------------------------
+
+    def start(self, after: float = 0.0) -> None:
+        """Play from now on, or in a while [s]."""
+        self._begins, self._ends = self.now + after, self.now + after + LENGTH
+
+    def stop(self) -> None:
+        """Stand still, until `start`."""
+        self._begins = inf
+        self.history = self.table.begin(self.now)
+        self._enter(State.RESET)
+
+    def restart(self, pose: ArrayLike, after: float = 0.0) -> None:
+        """The crew put the robot somewhere and lets it begin again.
+
+        Parameters
+        ----------
+        pose : array_like, shape (3,)  [m, m, rad; map]
+        after : float  [s]
+            It has to wait so long.
+        """
+        pose = as_floats(pose, "pose", 3).copy()
+        heading = self.reckoning.heading._replace(yaw=float(pose[2]))
+        self.reckoning = self.reckoning._replace(pose=pose, heading=heading)
+        self.walls = self.walls._replace(sigma=np.full(2, 0.005), lost_for=(0.0, 0.0))
+        self._begins = self.now + after
+        self._heading = float(pose[2])
+        self.history = self.table.begin(self.now)
+        self._enter(State.RESET)
+        self._say("info", "retry")
+
+    # --- what plays look at -----------------------------------------------------------------------
+
+    @property
+    def pose(self) -> FloatArray:
+        return self.reckoning.pose
+
+    @property
+    def state(self) -> State:
+        """Of the mission."""
+        return self.history.state
+
+    @property
+    def waited(self) -> float:
+        """Since the state was entered [s]."""
+        return self.now - self.history.since
+
+    @property
+    def standing(self) -> bool:
+        """Whether the robot stands, by its own wheels."""
+        return self._speed < STANDS
+
+    def near(self, target: ArrayLike, gap: float = NEAR, turn: float = 0.06) -> bool:
+        """Whether the robot is within `gap` [m] and `turn` [rad] of a pose."""
+        x, y, theta = self.reckoning.pose
+        off = remainder(theta - target[2], TURN)
+        return hypot(x - target[0], y - target[1]) < gap and abs(off) < turn
+
+    # --- the tick ---------------------------------------------------------------------------------
+
+    def tick(self, seen: Observation) -> Command:
+        """What to do after one more observation.
+
+        Parameters
+        ----------
+        seen : Observation
+            One that cannot be used is counted.
+
+        Returns
+        -------
+        Command
+
+        Raises
+        ------
+        ValueError
+            Readings of another shape. Never for a value: this runs in a control loop.
+        """
+        self._locate(seen)
+        if seen.frame is not None and self._order.watch:
+            self.sight.look(seen.frame, self._order.watch)
+            if self.state in BALL_STATES and self._order.watch == "ball":
+                self.notes["approach"] = approach_to_ball(self)
+        self._decide(seen)
+        self._order = order = PLAYS[self.state](self)
+        command = self._drive(order, seen)
+        return Command(
+            command.speeds, command.angles, order.intake, order.release, order.pan, order.tilt,
+            order.watch,
+        )  # fmt: skip
+
+    def _locate(self, seen: Observation) -> None:
+        """Dead reckoning, and what the walls say of it."""
+        last = self.reckoning
+        if not self.use_imu:
+            seen = seen._replace(gyro=np.full_like(seen.gyro, nan))
+        now = reckon(self.parts, last, seen, self.wheels)
+        if now.missed == BLIND_AFTER:
+            self._say("error", "no reading can be used")
+        if not (now.fresh and isfinite(now.dt)):
+            self.reckoning = now
+            self.now = now.time if isfinite(now.time) else self.now
+            return
+        self.now = now.time
+        self._motion = (now.pose - last.pose)[:2] / now.dt
+        self._speed = float(hypot(*self._motion))
+        if self.use_walls:
+            self.walls, pose = correct(self.walls, now.pose, seen, self._motion, now.dt)
+            if self.state is State.LIDAR_RESET and not self.walls.sure:
+                pose = self._search_pose(pose, seen)
+            now = now._replace(pose=pose)
+        self.reckoning = now
+        self.sight.remember(self.now, now.pose)
+
+    def _search_pose(self, pose: FloatArray, seen: Observation) -> FloatArray:
+        """Lost: where else could these distances be?"""
+        if self.waited < 0.4 or self.now - self._sought < 0.5:
+            return pose
+        self._sought = self.now
+        found = found_again(self.walls, pose, seen)
+        if found is None:
+            return pose
+        self.walls = self.walls.doubted()
+        self._say("warning", f"found again at ({found[0]:.2f}, {found[1]:.2f}) m")
+        return found
+
+    def _decide(self, seen: Observation) -> None:
+        """One step of the mission."""
+        self.facts = self._facts(seen)
+        before = self.history
+        self.history = self.table.step(before, self.facts, self.now, self.parts.next_transition)
+        if self.history is not before:
+            self._enter(self.history.state)
+            self._held = bool(seen.holding)
+
+    def _facts(self, seen: Observation) -> Facts:
+        notes, target, state = self.notes, self._order.target, self.state
+        speed = hypot(*self.ordered)
+        self._watch, stuck = self.parts.is_stuck(self._watch, self.now, self.pose, speed)
+        arrived = target is not None and self.near(target, NEAR, 0.08) and self.standing
+        if state is State.GO_TO_AREA_3:
+            arrived = arrived and lidar_y(seen, self.pose[2]) > field.AREA_3_LINE
+            arrived = arrived or (self.near((*field.AREA_3_GOAL, 0.0)) and self.waited > 25.0)
+        if state is State.REVERSE:
+            arrived = arrived and bool(notes.get("back"))
+        if state is State.TAKE_BALL:
+            arrived = arrived and bool(notes.get("straight"))
+        released = bool(notes.get("let go")) and self._held and not seen.holding
+        if released and state is State.APPROACH_SILO:
+            self.sight.stored(notes["silo"], LETTERS[self.team])
+        return Facts(
+            waited=self.waited,
+            started=self.now >= self._begins,
+            over=self.now >= self._ends,
+            arrived=arrived,
+            in_area_3=bool(self.pose[1] > field.AREA_3_LINE - 0.45),
+            reset_done=self.walls.sure and self._moved_off(state),
+            lost=self.use_walls and self.walls.lost,
+            blind=self.reckoning.missed > BLIND_AFTER,
+            stuck=bool(stuck),
+            holding=bool(seen.holding),
+            ball=notes.get("approach") is not None,
+            pushable=bool(self.sight.balls),
+            looked=bool(notes.get("looked")),
+            silo=notes.get("silo") is not None,
+            full=bool(notes.get("full")),
+            released=released,
+        )
+
+    def _moved_off(self, state: State) -> bool:
+        """Beside a silo a LiDAR is too near to its wall to measure it: first comes the way back."""
+        return state is not State.RESET_AFTER_SILO or float(self.pose[0]) < 5.3
+
+    def _enter(self, state: State) -> None:
+        """Forget what the state says is to be forgotten."""
+        resets, old = RESETS.get(state, ()), self.notes
+        self.notes = {}
+        if "choice" not in resets and old.get("silo") is not None:
+            self.notes["silo"] = old["silo"]
+        if state is State.TAKE_BALL:
+            self.notes["approach"] = old.get("approach")
+        if "balls" in resets:
+            self.sight.forget_balls()
+        if "pose" in resets and state is not State.RESET:
+            self.walls = self.walls.doubted()
+        self._watch = Watch()
+        self._route = self._target = self._following = None
+        if self.history.steps:
+            self._say("info", f"{state.value}: {self.history.steps[-1].reason}")
+
+    def _say(self, level: str, text: str) -> None:
+        self.speaks.append((self.now, level, text))
+        del self.speaks[:-SPEAKS]
+
+    # --- driving ----------------------------------------------------------------------------------
+
+    def _drive(self, order: Order, seen: Observation) -> Command:
+        """The command that leads to the order's target."""
+        dt = self.reckoning.dt
+        if order.target is None or not isfinite(dt) or self.facts.blind:
+            self.ordered = (0.0, 0.0)
+            return hold(seen.module_angles)
+        self._aim(order)
+        fresh = self.reckoning.fresh
+        if self._following is None or self.near(order.target, NEAR, inf):
+            twist = self._homing(order.target) if fresh else (0.0, 0.0, 0.0)
+        else:
+            pose = self.pose if fresh else np.full(3, nan)
+            self._following = follow_step(
+                self.parts, self._following, self._route, pose, dt,
+                heading=self._turned(order.target[2]), settings=DRIVES,
+            )  # fmt: skip
+            twist = self._following.twist
+        self.ordered = twist[0], twist[1]
+        return module_command(self.parts, twist, self.pose[2], seen.module_angles, dt=dt)
+
+    def _aim(self, order: Order) -> None:
+        """A path to the order's target, if it is another one."""
+        target, last = order.target, self._target
+        if last is not None and hypot(target[0] - last[0], target[1] - last[1]) < MOVED:
+            return
+        self._target = target
+        self._route = self._route_to(target[:2], order.limits)
+        self._following = None if self._route is None else Following.begin(self._route)
+        self.plan = np.empty((0, 2)) if self._route is None else self._route.xy
+
+    def _route_to(self, goal: tuple[float, float], limits: DriveLimits) -> Route | None:
+        """Straight through Area 3 and the Storage Zone; else by a search on the map."""
+        start = self.pose[:2]
+        if min(start[1], goal[1]) < field.AREA_3_LINE - 0.1:
+            try:
+                return plan_route(self.parts, _grid("astar" in self.parts.mine), start, goal,
+                                  limits=limits)  # fmt: skip
+            except NoPathError as error:
+                self._say("warning", str(error))
+        far = hypot(goal[0] - start[0], goal[1] - start[1])
+        if far < 0.5 * NEAR:
+            return None
+        xy = np.linspace(start, goal, max(3, round(far / 0.1) + 1))
+        speeds = self.parts.speed_profile(xy, limits.speed, limits.accel, limits.lateral)
+        return Route(xy, distance_along(xy), np.asarray(speeds, float))
+
+    def _homing(self, target: tuple[float, float, float]) -> tuple[float, float, float]:
+        """Straight to a target that is all but reached [m/s, m/s, rad/s; map]."""
+        x, y, theta = self.pose
+        vx, vy = 3.0 * (target[0] - x), 3.0 * (target[1] - y)
+        speed = hypot(vx, vy)
+        if speed > 0.3:
+            vx, vy = 0.3 * vx / speed, 0.3 * vy / speed
+        off = remainder(self._turned(target[2]) - theta, TURN)
+        return float(vx), float(vy), float(min(max(3.0 * off, -2.0), 2.0))
+
+    def _turned(self, wanted: float) -> float:
+        """The heading to hold: the wanted one where there is room to turn, else the last."""
+        x, y, theta = self.pose
+        room = min(x, field.EDGE - x, field.SIZE - y, y - 8.0 if y > 8.0 else y)
+        if room > TURN_ROOM or abs(remainder(wanted - theta, TURN)) < 0.1:
+            self._heading = wanted
+        return self._heading
+
+
+@cache
+def _grid(coarse: bool) -> GridMap:
+    """The field to plan on: coarser where the search is a student's own, in plain Python."""
+    return field.obstacle_map(0.05 if coarse else 0.01)

@@ -1,0 +1,254 @@
+"""What the robot does in each state of its mission: where to, how fast, looking at what.
+
+Each play is a function from the autopilot to an `Order`. It may read everything the autopilot
+believes; what it changes is its own notes, which `RESETS` clears when a state is entered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, hypot, inf, pi, remainder, sin
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from robocon_course import field
+from robocon_course.autopilot.route import DriveLimits
+from robocon_course.mission import Approach, State, is_full
+from robocon_course.robot import SIDE
+
+if TYPE_CHECKING:
+    from robocon_course.autopilot.autopilot import Autopilot
+
+VIEW_POST = (2.75, 10.0, pi)
+"""In the middle of the slope, looking at the pile [m, m, rad; map]."""
+SILO_X = 4.75
+"""From here all five silos are looked at on the way [m]."""
+BEFORE_SILO, AT_SILO = 5.15, 5.50
+"""Robot's middle before a silo and when it lets go [m]; its arm reaches half a metre ahead."""
+PUSH_TO = 1.45
+"""So far it goes into the pile [m]."""
+WALL = 0.16
+"""Between the body and any wall where a ball is taken [m]: it may turn there."""
+BALL_TILT, SILO_TILT = 0.42, 0.05
+"""Of the camera [rad]."""
+PANS = (0.0, 0.75, -0.75)
+"""Where it looks in turn for balls [rad]."""
+LOOK_FOR = 0.6
+"""So long in each direction [s]."""
+GLANCE = 2.5
+"""After so long the silos are taken as they are believed [s]."""
+FRESH = 6.0
+"""A silo that was seen so lately counts as seen [s]."""
+OVERSHOOT = 0.10
+"""The robot goes on so far past where the ball should be [m]."""
+FAST = DriveLimits(2.0, 2.0, 1.5, 2.5)
+TAKING = DriveLimits(0.5, 1.3, 1.0, 2.5)
+PUSHING = DriveLimits(0.9, 2.0, 1.0, 2.5)
+STORING = DriveLimits(0.45, 0.8, 1.0, 2.5)
+"""Speeds of the source are 0.25 (ball), 0.45 (silo) and 0.9 m/s (pile)."""
+
+
+class Order(NamedTuple):
+    """What to do until the next look.
+
+    Attributes
+    ----------
+    target : tuple of 3 floats or None  [m, m, rad; map]
+        Where to; None: stand.
+    limits : DriveLimits
+    intake : float
+    release : bool
+    pan, tilt : float  [rad]
+    watch : str
+        ``"ball"``, ``"silo"`` or nothing.
+    """
+
+    target: tuple[float, float, float] | None = None
+    limits: DriveLimits = FAST
+    intake: float = 0.0
+    release: bool = False
+    pan: float = 0.0
+    tilt: float = BALL_TILT
+    watch: str = ""
+
+
+def fits(x: float, y: float, heading: float) -> bool:
+    """Whether the robot's square stands free there, with room to turn.
+
+    Parameters
+    ----------
+    x, y : float  [m, map]
+    heading : float  [rad]
+
+    Returns
+    -------
+    bool
+        In the Storage Zone and Area 3 only.
+    """
+    reach = 0.5 * SIDE * (abs(cos(heading)) + abs(sin(heading))) + WALL
+    return reach <= x <= field.EDGE - reach and 8.0 + reach <= y <= field.SIZE - reach
+
+
+def _stand(pilot: Autopilot) -> Order:
+    return Order()
+
+
+def _to_area_3(pilot: Autopilot) -> Order:
+    return Order((*field.AREA_3_GOAL, 0.0))
+
+
+def _look_for_balls(pilot: Autopilot) -> Order:
+    return Order(watch="ball")
+
+
+def _search_balls(pilot: Autopilot) -> Order:
+    step = int(pilot.waited / LOOK_FOR)
+    pilot.notes["looked"] = step >= len(PANS)
+    return Order(VIEW_POST, pan=PANS[min(step, len(PANS) - 1)], tilt=0.3, watch="ball")
+
+
+def _push(pilot: Autopilot) -> Order:
+    if "push" not in pilot.notes:
+        balls = pilot.sight.balls or [None]
+        own = [ball for ball in balls if ball and ball.colour == pilot.team]
+        others = own or [ball for ball in balls if ball]
+        y = float(np.mean([ball.y for ball in others])) if others else field.PILE_TARGET[1]
+        x = float(np.mean([ball.x for ball in others])) + 0.33 if others else PUSH_TO
+        reach = 0.5 * SIDE + WALL
+        pilot.notes["push"] = (
+            max(x, reach), min(max(y, 8.0 + reach), field.SIZE - reach), pi,
+        )  # fmt: skip
+    return Order(pilot.notes["push"], PUSHING)
+
+
+def _reverse(pilot: Autopilot) -> Order:
+    """Straight back from where it stands, then to the post."""
+    x, y, theta = pilot.notes.setdefault("from", tuple(pilot.pose))
+    back = (x - 0.35 * cos(theta), y - 0.35 * sin(theta), theta)
+    if pilot.near(back, 0.06) or not fits(*back):
+        pilot.notes["back"] = True
+    return Order(VIEW_POST if pilot.notes.get("back") else back)
+
+
+def _take(pilot: Autopilot) -> Order:
+    way = pilot.notes.get("approach")
+    if way is None:
+        return Order(watch="ball")
+    if not pilot.notes.get("straight"):
+        pilot.notes["straight"] = pilot.near((*way.ready, way.heading), 0.05, 0.06)
+        return Order((*way.ready, way.heading), watch="ball")
+    c, s = cos(way.heading), sin(way.heading)
+    end = way.take[0] + OVERSHOOT * c, way.take[1] + OVERSHOOT * s
+    return Order((*end, way.heading), TAKING, intake=1.0, tilt=0.6, watch="ball")
+
+
+def _search_silo(pilot: Autopilot) -> Order:
+    y = min(max(float(pilot.pose[1]), 9.4), 10.6)
+    seen = [pilot.now - time < FRESH for time in pilot.sight.seen_silos]
+    settled = pilot.pose[0] > 2.5 and (all(seen) or pilot.waited > GLANCE)
+    if settled and abs(remainder(pilot.pose[2], 2 * pi)) < 0.5:
+        _choose(pilot)
+    # What is missing lies to one side: look there.
+    missing = [k for k, fresh in enumerate(seen) if not fresh]
+    pan = 0.0
+    if missing and pilot.pose[0] > 3.6:
+        x, _, theta = pilot.pose
+        target = field.SILOS[missing[int(pilot.waited / 0.5) % len(missing)]]
+        bearing = np.arctan2(target[1] - pilot.pose[1], target[0] - x) - theta
+        pan = float(np.clip(remainder(bearing, 2 * pi), -0.7, 0.7))
+    return Order((SILO_X, y, 0.0), tilt=SILO_TILT, pan=pan, watch="silo")
+
+
+def _choose(pilot: Autopilot) -> None:
+    silo = pilot.parts.choose_silo(pilot.sight.silos, pilot.team, float(pilot.pose[1]))
+    if silo is not None:
+        pilot.notes["silo"] = int(silo)
+
+
+def _approach(pilot: Autopilot) -> Order:
+    silo = pilot.notes.get("silo")
+    if silo is None:
+        return Order()
+    y = field.SILOS[silo][1]
+    pilot.notes["full"] = is_full(pilot.sight.silos[silo])
+    before = (BEFORE_SILO, y, 0.0)
+    if not pilot.notes.get("before"):
+        pilot.notes["before"] = pilot.near(before, 0.02, 0.03)
+        watch = "silo" if pilot.pose[0] < 4.95 else ""
+        return Order(before, tilt=SILO_TILT, watch=watch)
+    at = (AT_SILO, y, 0.0)
+    if pilot.near(at, 0.012, 0.03) and pilot.standing:
+        pilot.notes["let go"] = True
+    return Order(at, STORING, tilt=SILO_TILT, release=bool(pilot.notes.get("let go")))
+
+
+def _leave_silo(pilot: Autopilot) -> Order:
+    """Straight back to where the robot may turn, measuring the walls on the way."""
+    x, y, theta = pilot.pose
+    start = pilot.notes.setdefault("from", (float(x), float(y), float(theta)))
+    return Order((BEFORE_SILO - 0.05, start[1], start[2]))
+
+
+def _silo_full(pilot: Autopilot) -> Order:
+    start = pilot.notes.setdefault("from", tuple(pilot.pose))
+    return Order((4.9, start[1], 0.0), tilt=SILO_TILT, watch="silo")
+
+
+def _back_to_storage(pilot: Autopilot) -> Order:
+    watch = "ball" if abs(remainder(pilot.pose[2] - pi, 2 * pi)) < 0.3 else ""
+    return Order(VIEW_POST, tilt=0.3, watch=watch)
+
+
+def _free(pilot: Autopilot) -> Order:
+    """Stuck: back the way it came, a little."""
+    if "from" not in pilot.notes:
+        x, y, theta = (float(number) for number in pilot.pose)
+        vx, vy = pilot.ordered
+        speed = hypot(vx, vy)
+        away = (-vx / speed, -vy / speed) if speed > 0.01 else (-cos(theta), -sin(theta))
+        pilot.notes["from"] = (x + 0.3 * away[0], y + 0.3 * away[1], theta)
+    return Order(pilot.notes["from"], STORING)
+
+
+PLAYS: dict[State, Callable[[Autopilot], Order]] = {
+    State.RESET: _stand,
+    State.GO_TO_AREA_3: _to_area_3,
+    State.LIDAR_RESET: _stand,
+    State.DETECT_BALL: _look_for_balls,
+    State.SEARCH_BALL: _search_balls,
+    State.PUSH_PILE: _push,
+    State.REVERSE: _reverse,
+    State.TAKE_BALL: _take,
+    State.SEARCH_SILO: _search_silo,
+    State.APPROACH_SILO: _approach,
+    State.SILO_FULL: _silo_full,
+    State.RESET_AFTER_SILO: _leave_silo,
+    State.BACK_TO_STORAGE: _back_to_storage,
+    State.STUCK: _free,
+    State.NO_SENSORS: _stand,
+    State.FINISHED: _stand,
+}
+
+
+def approach_to_ball(pilot: Autopilot) -> Approach | None:
+    """The ball to take, and how; while it is being taken, the same one where it is now."""
+    way = pilot.notes.get("approach") if pilot.state is State.TAKE_BALL else None
+    balls = pilot.sight.balls
+    if way is None:
+        return pilot.parts.choose_ball(balls, pilot.team, pilot.pose, fits)
+    if pilot.notes.get("straight") and pilot.near((*way.take, way.heading), 0.3, inf):
+        return way  # it is under the camera now
+    own = [ball for ball in balls if ball.colour == pilot.team]
+    gaps = [hypot(ball.x - way.ball.x, ball.y - way.ball.y) for ball in own]
+    if not gaps or min(gaps) > 0.2:
+        return None
+    moved = own[int(np.argmin(gaps))]
+    if min(gaps) < 0.015:
+        return way
+    shift = moved.x - way.ball.x, moved.y - way.ball.y
+    return way._replace(
+        ball=moved,
+        ready=(way.ready[0] + shift[0], way.ready[1] + shift[1]),
+        take=(way.take[0] + shift[0], way.take[1] + shift[1]),
+    )

@@ -1,0 +1,311 @@
+"""From boxes in a picture to balls and silos on the map, remembered from picture to picture."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from math import atan2, cos, hypot, isfinite, pi, remainder, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from robocon_course import field
+from robocon_course._arrays import FloatArray
+from robocon_course.autopilot.parts import Parts
+from robocon_course.autopilot.walls import MODULES, floor_plane
+from robocon_course.field.maps import FLOOR_TABLE
+from robocon_course.mission import SeenBall
+from robocon_course.robot import Frame
+from robocon_course.vision import BALLS, SILOS, Camera, Detections, Sighting, load_detector
+from robocon_course.vision.camera import MOUNT
+from robocon_course.vision.locate import on_floor
+
+CAMERA = Camera()
+MEMORY = 60
+"""So many poses are remembered, to know where a picture was taken."""
+SAME = 0.13
+"""Two sightings so near to each other are of one ball [m]; farther away they spread more."""
+RANGE = (0.35, 3.2)
+"""Balls nearer or farther than this are not looked for [m]."""
+VIEW = 0.46
+"""Half of the camera's view in which a ball is expected to be found [rad]."""
+MISSES = 4
+"""So often not found where it should be, a ball is gone."""
+SURE = 2
+"""So often seen, a ball is believed."""
+READINGS = 5
+"""The last so many readings of a silo decide what it holds."""
+
+
+class Track(NamedTuple):
+    """A ball that was seen, perhaps several times.
+
+    Attributes
+    ----------
+    x, y : float  [m, map]
+    variance : float  [m^2]
+    votes : tuple of 3 floats
+        For each colour, the sum of its scores.
+    hits, misses : int
+        How often it was found, and how often in a row not.
+    """
+
+    x: float
+    y: float
+    variance: float
+    votes: tuple[float, float, float]
+    hits: int
+    misses: int
+
+    @property
+    def ball(self) -> SeenBall:
+        """As the mission takes it."""
+        return SeenBall(self.x, self.y, BALLS[int(np.argmax(self.votes))])
+
+
+class View(NamedTuple):
+    """From where a picture was taken.
+
+    Attributes
+    ----------
+    x, y : float  [m, map]
+        Of the lens.
+    height : float  [m]
+        Of the lens above the ground under the stage.
+    heading : float  [rad, map]
+        Where the camera looked.
+    tilt : float  [rad]
+        How far down, the slope under the robot included.
+    """
+
+    x: float
+    y: float
+    height: float
+    heading: float
+    tilt: float
+
+
+def view_of(pose: FloatArray, frame: Frame) -> View:
+    """From where a frame was taken, given the robot's pose at that time.
+
+    Parameters
+    ----------
+    pose : ndarray, shape (3,)  [m, m, rad; map]
+    frame : Frame
+
+    Returns
+    -------
+    View
+    """
+    x, y, theta = (float(number) for number in pose)
+    plane = np.empty(3)
+    floor_plane(x, y, theta, MODULES, FLOOR_TABLE, plane)
+    rise = plane[0] * cos(frame.pan) + plane[1] * sin(frame.pan)
+    c, s = cos(theta), sin(theta)
+    height = plane[2] + MOUNT[2] + plane[0] * MOUNT[0]
+    back = plane[0] * MOUNT[2]  # a robot whose nose points up carries its camera a little back
+    ahead = MOUNT[0] - back
+    return View(
+        x + c * ahead, y + s * ahead, float(height), theta + frame.pan, frame.tilt - atan2(rise, 1)
+    )
+
+
+class Sight:
+    """What the camera has told so far.
+
+    Parameters
+    ----------
+    parts : Parts
+        ``bearing_and_range``, ``decode``, ``non_max_suppression`` and ``silo_contents`` are used.
+
+    Attributes
+    ----------
+    tracks : list of Track
+    silos : list of str
+        What each is believed to hold, from bottom to top.
+    seen_silos : list of float  [s]
+        When each was seen last.
+    frames : int
+        Pictures looked at.
+    last : float  [s]
+        When the last picture that showed anything at all was taken.
+    found : tuple of (str, Detections) or None
+        What the last picture showed, for a screen.
+    """
+
+    def __init__(self, parts: Parts) -> None:
+        self.parts = parts
+        self.tracks: list[Track] = []
+        self.silos = [""] * len(field.SILOS)
+        self.seen_silos = [-np.inf] * len(field.SILOS)
+        self.frames, self.last = 0, -np.inf
+        self.found: tuple[str, Detections] | None = None
+        self._poses: deque[tuple[float, FloatArray]] = deque(maxlen=MEMORY)
+        self._read: list[deque[str]] = [deque(maxlen=READINGS) for _ in field.SILOS]
+        self._detectors: dict[str, object] = {}
+
+    def remember(self, time: float, pose: FloatArray) -> None:
+        """Where the robot was at a time [s]."""
+        self._poses.append((time, pose))
+
+    def forget_balls(self) -> None:
+        """Nothing is known of the balls any more."""
+        self.tracks = []
+
+    @property
+    def balls(self) -> list[SeenBall]:
+        """The balls that are believed."""
+        return [track.ball for track in self.tracks if track.hits >= SURE]
+
+    def look(self, frame: Frame, kind: str) -> None:
+        """Take in one picture.
+
+        Parameters
+        ----------
+        frame : Frame
+        kind : {"ball", "silo"}
+            Which network looks at it.
+        """
+        if not self._poses or not isfinite(frame.time):
+            return
+        pose = min(self._poses, key=lambda known: abs(known[0] - frame.time))[1]
+        found = self._detections(frame, kind)
+        self.frames += 1
+        self.found = (kind, found)
+        if len(found.scores):
+            self.last = frame.time
+        view = view_of(pose, frame)
+        if kind == "ball":
+            self._see_balls(view, found)
+        else:
+            self._see_silos(view, found, frame.time)
+
+    def stored(self, silo: int, letter: str) -> None:
+        """The robot put a ball into a silo itself."""
+        if len(self.silos[silo]) < field.SILO_CAPACITY:
+            self.silos[silo] += letter
+            self._read[silo].clear()
+
+    def filled(self, silo: int) -> None:
+        """A silo turned out to be of no use: it counts as full until it is seen again."""
+        self.silos[silo] = (self.silos[silo] + "???")[: field.SILO_CAPACITY]
+
+    # --- inside -----------------------------------------------------------------------------------
+
+    def _detections(self, frame: Frame, kind: str) -> Detections:
+        if frame.image_bgr is None:
+            return frame.found.get(kind, NOTHING)
+        if kind not in self._detectors:
+            self._detectors[kind] = load_detector(kind).with_parts(
+                self.parts.decode, self.parts.non_max_suppression
+            )
+        return self._detectors[kind].detect(frame.image_bgr)
+
+    def _see_balls(self, view: View, found: Detections) -> None:
+        seen = []
+        floor = field.STORAGE_ZONE.height
+        for box, score, number in zip(found.boxes, found.scores, found.class_ids, strict=True):
+            sighting = self._located(box, view, floor)
+            if sighting is None or not RANGE[0] < sighting.range < RANGE[1]:
+                continue
+            angle = view.heading + sighting.bearing
+            x, y = view.x + sighting.range * cos(angle), view.y + sighting.range * sin(angle)
+            if field.SIDE_SLOPE.x0 < x:  # on the slope, or beyond it on the platform: higher
+                height = min(float(field.floor_height(min(x, 3.3), 10.0)), 0.25)
+                sighting = self._located(box, view, height) or sighting
+                x, y = view.x + sighting.range * cos(angle), view.y + sighting.range * sin(angle)
+            seen.append((x, y, sighting.range_sigma**2 + 1e-4, int(number), float(score)))
+        self.tracks = _matched(self.tracks, seen, lambda t: _expected_in(view, t))
+
+    def _located(self, box: FloatArray, view: View, floor: float) -> Sighting | None:
+        """A ball on a floor of that height, by its size and by the floor together."""
+        left, top, right, bottom = (float(side) for side in box)
+        if not (right > left and bottom > top):
+            return None
+        size = self.parts.bearing_and_range(box, CAMERA, view.tilt)
+        ground = on_floor(box, CAMERA, view.tilt, view.height - floor)
+        if not isfinite(ground.range):
+            return size
+        trust = size.range_sigma**-2, ground.range_sigma**-2
+        far = (size.range * trust[0] + ground.range * trust[1]) / sum(trust)
+        return Sighting(size.bearing, far, size.bearing_sigma, sum(trust) ** -0.5)
+
+    def _see_silos(self, view: View, found: Detections, time: float) -> None:
+        groups: dict[int, list[int]] = {}
+        for k, (left, top, right, bottom) in enumerate(found.boxes.tolist()):
+            ray = CAMERA.rays([[0.5 * (left + right), 0.5 * (top + bottom)]])[0]
+            angle = view.heading - atan2(ray[0], ray[2])
+            if abs(remainder(angle, 2 * pi)) > 1.3:
+                continue
+            y = view.y + (field.SILOS[0][0] - view.x) * np.tan(angle)
+            gaps = [abs(y - silo[1]) for silo in field.SILOS]
+            silo = int(np.argmin(gaps))
+            if gaps[silo] < 0.3:
+                groups.setdefault(silo, []).append(k)
+        for silo, members in groups.items():
+            chosen = Detections(*(column[members] for column in found))
+            told = self.parts.silo_contents(chosen)
+            if len(told) and told[0] in SILOS:
+                self._read_silo(silo, str(told[0]).replace("empty", ""), time)
+
+    def _read_silo(self, silo: int, filling: str, time: float) -> None:
+        """Balls never leave a silo: fewer than before is a mistake, unless it is said often."""
+        self.seen_silos[silo] = time
+        read = self._read[silo]
+        read.append(filling)
+        same = sum(one == filling for one in read)
+        grown = filling.startswith(self.silos[silo]) and len(filling) > len(self.silos[silo])
+        if (grown and same >= 2) or same >= 4:
+            self.silos[silo] = filling
+
+
+def _expected_in(view: View, track: Track) -> bool:
+    """Whether a ball should be found in a picture taken from there."""
+    far = hypot(track.x - view.x, track.y - view.y)
+    bearing = remainder(atan2(track.y - view.y, track.x - view.x) - view.heading, 2 * pi)
+    return abs(bearing) < VIEW and 0.7 < far < 2.5
+
+
+def _matched(
+    tracks: list[Track],
+    seen: list[tuple[float, float, float, int, float]],
+    expected: Callable[[Track], bool],
+) -> list[Track]:
+    """Tracks after one more picture: the nearest sighting goes to each, the rest are new."""
+    pairs = sorted(
+        (hypot(t.x - s[0], t.y - s[1]), i, j)
+        for i, t in enumerate(tracks)
+        for j, s in enumerate(seen)
+    )
+    taken: dict[int, int] = {}
+    for gap, i, j in pairs:
+        if gap < SAME + 2.0 * seen[j][2] ** 0.5 and i not in taken and j not in taken.values():
+            taken[i] = j
+    kept = []
+    for i, track in enumerate(tracks):
+        if i in taken:
+            kept.append(_updated(track, seen[taken[i]]))
+        else:
+            misses = track.misses + expected(track)
+            if misses < MISSES:
+                kept.append(track._replace(misses=misses))
+    for j, (x, y, variance, number, score) in enumerate(seen):
+        if j not in taken.values():
+            votes = tuple(score if k == number else 0.0 for k in range(len(BALLS)))
+            kept.append(Track(x, y, variance, votes, 1, 0))
+    return kept
+
+
+def _updated(track: Track, sighting: tuple[float, float, float, int, float]) -> Track:
+    """A track and one more sighting of it; balls may roll, so the old never counts for all."""
+    x, y, variance, number, score = sighting
+    before = track.variance + 0.02**2
+    gain = before / (before + variance)
+    votes = tuple(0.9 * v + (score if k == number else 0.0) for k, v in enumerate(track.votes))
+    return Track(
+        track.x + gain * (x - track.x), track.y + gain * (y - track.y),
+        (1.0 - gain) * before, votes, track.hits + 1, 0,
+    )  # fmt: skip
+
+
+NOTHING = Detections(np.empty((0, 4), np.float32), np.empty(0, np.float32), np.empty(0, np.int64))

@@ -1,0 +1,319 @@
+"""Where the robot is, by the distances to the walls around it.
+
+Every LiDAR that looks squarely at a wall measures one coordinate. The robot knows its map, so it
+knows what each should read where it believes to be; what is left over, the *residual*, moves the
+pose along the beam, by as much as the pose is unsure beside the reading (a Kalman filter for each
+axis):
+
+    K = P / (P + R),    p <- p - K r u,    P <- (1 - K) P
+
+A residual too large for both is a leg, or a broken sensor: it is counted and not believed. Where all
+of them are too large for a while, it is the pose that is wrong.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import cos, hypot, inf, isfinite, pi, remainder, sin, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from robocon_course import field
+from robocon_course._arrays import FloatArray
+from robocon_course.beams import SPOT, Surroundings, game_field, mean_distance
+from robocon_course.field.maps import FLOOR_TABLE
+from robocon_course.robot import LIDAR_HEIGHT, LIDARS, MODULES, SATURATED, WEAKEST, Observation
+
+NOISE = 0.012
+"""Of one reading, its rounding included: standard deviation [m]."""
+BLUR = 0.004
+"""More of it for each metre: what the cone of light sees beside the wall."""
+NEAR, FAR = 0.13, 4.2
+"""Readings outside of this are left alone [m]."""
+SQUARE = 0.75
+"""A beam must meet what it meets at least so squarely: the mean cosine to its normal."""
+ASLANT = 0.35
+"""No beam farther than this from an axis of the map is used [rad]."""
+DRIFT, IDLE = 0.015, 0.0005
+"""So unsure the pose gets over a metre of way, and in a second of standing [m]; the variance grows
+with the way and the time."""
+GATE = 0.05
+"""A residual may be so large, and three standard deviations of the pose more [m]."""
+WIDEST = 0.30
+"""But no more than this [m]."""
+UNSURE = 0.05
+"""What a reset makes of the pose: so unsure it is then [m]."""
+SURE = 0.003
+"""So sure of both coordinates, a reset is done [m]."""
+LOST_AFTER = 0.6
+"""So long no reading fits, and the robot is lost [s]."""
+_MOUNTS = np.array([(m.x, m.y, LIDAR_HEIGHT, m.angle) for m in LIDARS])
+_HALF = 0.5 * np.radians(3.6)
+_RAYS = SPOT * (_HALF, _HALF, 1.0)
+_NO_CELLS = np.empty((0, 2), np.int64)
+
+
+class Walls(NamedTuple):
+    """What is remembered of the distances to the walls.
+
+    Attributes
+    ----------
+    sigma : ndarray, shape (2,)  [m]
+        How unsure x and y are.
+    offsets : ndarray, shape (4,)  [m]
+        What each LiDAR reads too much, as far as known.
+    times : tuple of 4 floats  [s]
+        Of the last reading of each that was looked at.
+    used, refused : int
+        Readings that moved the pose; readings that did not fit.
+    lost_for : tuple of 2 floats  [s]
+        How long none has fitted, along x and along y.
+    """
+
+    sigma: FloatArray
+    offsets: FloatArray
+    times: tuple[float, ...] = (-inf,) * len(LIDARS)
+    used: int = 0
+    refused: int = 0
+    lost_for: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def lost(self) -> bool:
+        """Whether the walls have not been where they should be for a while."""
+        return max(self.lost_for) > LOST_AFTER
+
+    @property
+    def sure(self) -> bool:
+        """Whether both coordinates were measured."""
+        return bool(self.sigma.max() < SURE)
+
+    def doubted(self) -> Walls:
+        """After a reset: the pose is to be measured anew."""
+        return self._replace(sigma=np.full(2, UNSURE), lost_for=(0.0, 0.0))
+
+
+@njit(cache=True)
+def floor_plane(x, y, theta, modules, table, out):
+    """The plane a robot stands on, through the floor under its modules.
+
+    Parameters
+    ----------
+    x, y, theta : float  [m, m, rad; map]
+    modules : ndarray, shape (4, 2)  [m, base]
+        In a square around the middle.
+    table : ndarray, shape (k, 7)
+        `field.FLOOR_TABLE`.
+    out : ndarray, shape (3,)
+        Rise along x and y of the base [m per m], height of the middle [m].
+    """
+    c, s = cos(theta), sin(theta)
+    square = 0.0
+    out[:] = 0.0
+    for k in range(len(modules)):
+        mx, my = modules[k, 0], modules[k, 1]
+        px, py = x + c * mx - s * my, y + s * mx + c * my
+        height = 0.0
+        for row in range(len(table)):
+            x0, y0, x1, y1, foot, slope_x, slope_y = table[row]
+            if x0 <= px <= x1 and y0 <= py <= y1:
+                height = foot + slope_x * (px - x0) + slope_y * (py - y0)
+        out[0] += mx * height
+        out[1] += my * height
+        out[2] += height / len(modules)
+        square += mx * mx
+    out[0] /= square
+    out[1] /= square
+
+
+@njit(cache=True)
+def expected(x, y, theta, mounts, rays, world, modules, table, no_cells, out):
+    """What each LiDAR should read, and how squarely it looks at that.
+
+    Parameters
+    ----------
+    x, y, theta : float  [m, m, rad; map]
+    mounts, rays, world, no_cells
+        As `beams.mean_distance` takes them.
+    modules, table
+        As `floor_plane` takes them.
+    out : ndarray, shape (n, 2)
+        Distance [m] and mean cosine.
+    """
+    row = np.zeros(9)
+    row[0], row[1], row[2] = x, y, theta
+    floor_plane(x, y, theta, modules, table, row[6:])
+    for j in range(len(mounts)):
+        distance, light = mean_distance(row, mounts[j], rays, world, no_cells)
+        out[j, 0] = distance
+        out[j, 1] = light * distance * distance
+
+
+@cache
+def _map() -> Surroundings:
+    return game_field()
+
+
+def expected_readings(pose: FloatArray) -> FloatArray:
+    """What each LiDAR should read at a pose.
+
+    Parameters
+    ----------
+    pose : array_like, shape (3,)  [m, m, rad; map]
+
+    Returns
+    -------
+    ndarray, shape (4, 2)
+        Distance [m] and mean cosine to the surface: 1 for a wall, small for a floor.
+    """
+    out = np.empty((len(LIDARS), 2))
+    x, y, theta = (float(number) for number in pose)
+    expected(x, y, theta, _MOUNTS, _RAYS, _map(), MODULES, FLOOR_TABLE, _NO_CELLS, out)
+    return out
+
+
+def correct(
+    walls: Walls, pose: FloatArray, seen: Observation, motion: FloatArray, dt: float
+) -> tuple[Walls, FloatArray]:
+    """A pose, moved by what the LiDARs say of it.
+
+    Parameters
+    ----------
+    walls : Walls
+        Before; it is left as it is.
+    pose : ndarray, shape (3,)  [m, m, rad; map]
+        By dead reckoning.
+    seen : Observation
+    motion : ndarray, shape (2,)  [m/s, map]
+        How the robot moves: a reading is a little older than the counters.
+    dt : float  [s]
+        Since the step before.
+
+    Returns
+    -------
+    walls : Walls
+    pose : ndarray, shape (3,)  [m, m, rad; map]
+    """
+    way = hypot(motion[0], motion[1]) * dt
+    variance = walls.sigma**2 + DRIFT**2 * way + IDLE**2 * dt
+    times = list(walls.times)
+    x, y, theta = pose.tolist()
+    turned = remainder(theta, pi / 2)
+    fits, misfits = [0, 0], [0, 0]
+    if abs(turned) < ASLANT and inside(x, y):
+        should = expected_readings(pose)
+        moved = [x, y]
+        for j, (mount, reading) in enumerate(zip(LIDARS, seen.lidar, strict=False)):
+            if not reading.time > times[j]:
+                continue
+            times[j] = reading.time
+            distance, square = should[j].tolist()
+            strong = WEAKEST <= reading.strength < SATURATED and isfinite(reading.distance)
+            if not (strong and NEAR < distance < FAR and square > SQUARE):
+                continue
+            angle = theta + mount.angle
+            axis = 0 if abs(cos(angle)) > abs(sin(angle)) else 1
+            along = cos(angle) if axis == 0 else sin(angle)
+            age = min(max(seen.time - reading.time, 0.0), 0.05)
+            # The reading was taken a little way back; along the beam that way counts.
+            residual = reading.distance - walls.offsets[j] - distance
+            residual -= (motion[0] * cos(angle) + motion[1] * sin(angle)) * age
+            gate = min(GATE + 3.0 * sqrt(variance[axis]), WIDEST)
+            if abs(residual) > gate:
+                misfits[axis] += 1
+                continue
+            fits[axis] += 1
+            noise = NOISE**2 + (BLUR * distance) ** 2
+            gain = variance[axis] / (variance[axis] + noise)
+            moved[axis] -= gain * residual / along
+            variance[axis] *= 1.0 - gain
+        pose = np.array([*moved, theta])
+    lost_for = tuple(
+        0.0 if fits[k] else walls.lost_for[k] + dt * bool(misfits[k]) for k in range(2)
+    )
+    return Walls(
+        np.sqrt(variance), walls.offsets, tuple(times),
+        walls.used + sum(fits), walls.refused + sum(misfits), lost_for,
+    ), pose  # fmt: skip
+
+
+def inside(x: float, y: float) -> bool:
+    """Whether a point lies inside the own half."""
+    return bool(0.0 < x < field.EDGE and 0.0 < y < field.SIZE)
+
+
+def measured_offsets(told: list) -> FloatArray:
+    """What each LiDAR reads too much, from where the crew put the robot before the match.
+
+    Parameters
+    ----------
+    told : list of (pose, readings)
+        The pose (3,) [m, m, rad; map] that was meant, and tuples of `LidarReading`.
+
+    Returns
+    -------
+    ndarray, shape (4,)  [m]
+        0 for a LiDAR that never looked at a near wall.
+    """
+    offsets = np.zeros(len(LIDARS))
+    nearest = np.full(len(LIDARS), 1.0)
+    for pose, readings in told:
+        should = expected_readings(pose)
+        for j in range(len(LIDARS)):
+            good = [r[j].distance for r in readings if WEAKEST <= r[j].strength < SATURATED]
+            distance, square = should[j]
+            if good and square > SQUARE and NEAR < distance < nearest[j]:
+                nearest[j] = distance
+                offsets[j] = float(np.mean(good)) - distance
+    return offsets
+
+
+def found_again(
+    walls: Walls, pose: FloatArray, seen: Observation, step: float = 0.1
+) -> FloatArray | None:
+    """Where in Area 3 and the Storage Zone the four distances fit, whatever the pose was.
+
+    Parameters
+    ----------
+    walls : Walls
+    pose : ndarray, shape (3,)  [m, m, rad; map]
+        Of which only the heading is believed.
+    seen : Observation
+    step : float  [m]
+        Between the places that are tried.
+
+    Returns
+    -------
+    ndarray, shape (3,), or None
+        None: fewer than two readings, or no place fits clearly best.
+    """
+    heard = np.array([
+        r.distance if WEAKEST <= r.strength < SATURATED else np.nan for r in seen.lidar
+    ]) - walls.offsets  # fmt: skip
+    theta = float(pose[2])
+    if np.isfinite(heard).sum() < 2 or abs(remainder(theta, pi / 2)) > ASLANT:
+        return None
+    places = []
+    for x in np.arange(0.5, 5.5, step):
+        for y in np.arange(8.5, 11.55, step):
+            places.append((_misfit(expected_readings((x, y, theta)), heard), x, y))
+    places.sort()
+    worst, x, y = places[0]
+    for _ in range(12):  # and then along the beams
+        should = expected_readings((x, y, theta))
+        for j, mount in enumerate(LIDARS):
+            if np.isfinite(heard[j]) and should[j, 1] > SQUARE and heard[j] < FAR:
+                angle = theta + mount.angle
+                residual = float(np.clip(heard[j] - should[j, 0], -0.1, 0.1))
+                x, y = x - 0.5 * residual * cos(angle), y - 0.5 * residual * sin(angle)
+    worst = _misfit(expected_readings((x, y, theta)), heard)
+    return np.array([x, y, theta]) if worst < 0.06 else None
+
+
+def _misfit(should: FloatArray, heard: FloatArray) -> float:
+    """How badly readings fit a place: the mean distance that each is off, at most half a metre."""
+    known = np.isfinite(heard) & (should[:, 1] > 0.5)
+    if known.sum() < 2:
+        return inf
+    return float(np.minimum(np.abs(should[known, 0] - heard[known]), 0.5).mean())
