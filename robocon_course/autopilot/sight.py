@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from math import atan2, cos, hypot, isfinite, pi, remainder, sin
+from math import asin, atan2, cos, hypot, isfinite, pi, remainder, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -12,12 +12,11 @@ import numpy as np
 from robocon_course import field
 from robocon_course._arrays import FloatArray
 from robocon_course.autopilot.parts import Parts
-from robocon_course.autopilot.walls import MODULES, floor_plane
-from robocon_course.field.maps import FLOOR_TABLE
+from robocon_course.field.standing import standing
 from robocon_course.mission import SeenBall
-from robocon_course.robot import Frame
+from robocon_course.robot import MODULES, Frame
 from robocon_course.vision import BALLS, SILOS, Camera, Detections, Sighting, load_detector
-from robocon_course.vision.camera import MOUNT
+from robocon_course.vision.camera import camera_pose
 from robocon_course.vision.locate import on_floor
 
 CAMERA = Camera()
@@ -97,17 +96,11 @@ def view_of(pose: FloatArray, frame: Frame) -> View:
     -------
     View
     """
-    x, y, theta = (float(number) for number in pose)
-    plane = np.empty(3)
-    floor_plane(x, y, theta, MODULES, FLOOR_TABLE, plane)
-    rise = plane[0] * cos(frame.pan) + plane[1] * sin(frame.pan)
-    c, s = cos(theta), sin(theta)
-    height = plane[2] + MOUNT[2] + plane[0] * MOUNT[0]
-    back = plane[0] * MOUNT[2]  # a robot whose nose points up carries its camera a little back
-    ahead = MOUNT[0] - back
-    return View(
-        x + c * ahead, y + s * ahead, float(height), theta + frame.pan, frame.tilt - atan2(rise, 1)
-    )
+    rise_x, rise_y, height = standing(pose, MODULES).tolist()
+    T = camera_pose(pose, height, pan=frame.pan, tilt=frame.tilt, rise=(rise_x, rise_y))
+    x, y, z = T[:3, 3].tolist()
+    ahead, left, up = T[:3, 2].tolist()
+    return View(x, y, z, atan2(left, ahead), asin(-up))
 
 
 class Sight:

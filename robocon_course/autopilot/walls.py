@@ -24,6 +24,7 @@ from robocon_course import field
 from robocon_course._arrays import FloatArray
 from robocon_course.beams import SPOT, Surroundings, game_field, mean_distance
 from robocon_course.field.maps import FLOOR_TABLE
+from robocon_course.field.standing import floor_plane
 from robocon_course.robot import LIDAR_HEIGHT, LIDARS, MODULES, SATURATED, WEAKEST, Observation
 
 NOISE = 0.012
@@ -92,39 +93,6 @@ class Walls(NamedTuple):
     def doubted(self) -> Walls:
         """After a reset: the pose is to be measured anew."""
         return self._replace(sigma=np.full(2, UNSURE), lost_for=(0.0, 0.0))
-
-
-@njit(cache=True)
-def floor_plane(x, y, theta, modules, table, out):
-    """The plane a robot stands on, through the floor under its modules.
-
-    Parameters
-    ----------
-    x, y, theta : float  [m, m, rad; map]
-    modules : ndarray, shape (4, 2)  [m, base]
-        In a square around the middle.
-    table : ndarray, shape (k, 7)
-        `field.FLOOR_TABLE`.
-    out : ndarray, shape (3,)
-        Rise along x and y of the base [m per m], height of the middle [m].
-    """
-    c, s = cos(theta), sin(theta)
-    square = 0.0
-    out[:] = 0.0
-    for k in range(len(modules)):
-        mx, my = modules[k, 0], modules[k, 1]
-        px, py = x + c * mx - s * my, y + s * mx + c * my
-        height = 0.0
-        for row in range(len(table)):
-            x0, y0, x1, y1, foot, slope_x, slope_y = table[row]
-            if x0 <= px <= x1 and y0 <= py <= y1:
-                height = foot + slope_x * (px - x0) + slope_y * (py - y0)
-        out[0] += mx * height
-        out[1] += my * height
-        out[2] += height / len(modules)
-        square += mx * mx
-    out[0] /= square
-    out[1] /= square
 
 
 @njit(cache=True)

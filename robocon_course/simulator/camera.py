@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robocon_course import field
-from robocon_course._arrays import as_floats
+from robocon_course._arrays import FloatArray, as_floats
+from robocon_course.field.standing import standing
+from robocon_course.robot import MODULES
 from robocon_course.vision import film, paint, pictures, venue
 from robocon_course.vision.camera import Camera, camera_pose
 from robocon_course.vision.classes import BALLS, SILOS
@@ -19,6 +21,22 @@ from robocon_course.vision.scene import Scene
 
 MOST_BALLS = 64
 """How many balls lie about at most; each keeps its pattern wherever it rolls."""
+
+
+def view_from(pose: FloatArray, pan: float, tilt: float) -> FloatArray:
+    """``T_map_camera`` of a robot's camera, tipped with the robot where the floor slopes.
+
+    Parameters
+    ----------
+    pose : ndarray, shape (3,)  [m, m, rad; map]
+    pan, tilt : float  [rad]
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+    """
+    rise_x, rise_y, height = standing(pose, MODULES).tolist()
+    return camera_pose(pose, height, pan=pan, tilt=tilt, rise=(rise_x, rise_y))
 
 
 class FieldCamera:
@@ -86,8 +104,8 @@ class FieldCamera:
         ValueError
             A pose that is none, a colour or a filling that does not exist, too many balls or silos.
         """
-        x, y, _ = pose = as_floats(pose, "pose", 3)
-        T_map_camera = camera_pose(pose, float(field.floor_height(x, y)), pan=pan, tilt=tilt)
+        pose = as_floats(pose, "pose", 3)
+        T_map_camera = view_from(pose, pan, tilt)
         scene = replace(self._hall, balls=list(self._hall.balls), cages=[])
         self._fill(scene, silos)
         for k, (centre, name) in enumerate(balls):

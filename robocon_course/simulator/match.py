@@ -19,7 +19,7 @@ from robocon_course.mission import is_full, order_b
 from robocon_course.robot import Command, Frame, LidarReading, Observation
 from robocon_course.simulator import balls as rolling
 from robocon_course.simulator.balls import FREE, HELD, OUT, Balls
-from robocon_course.simulator.camera import FieldCamera
+from robocon_course.simulator.camera import FieldCamera, view_from
 from robocon_course.simulator.glimpse import balls_seen, silos_seen
 from robocon_course.simulator.machine import START, Simulator
 from robocon_course.simulator.model import RobotModel
@@ -31,7 +31,7 @@ from robocon_course.simulator.referee import (
     plan,
 )  # fmt: skip
 from robocon_course.simulator.sensors import SensorModel
-from robocon_course.vision.camera import Camera, camera_pose
+from robocon_course.vision.camera import Camera
 
 CAMERA = Camera()
 CYCLE = 0.01
@@ -374,8 +374,7 @@ class Match:
         self._frames.append(Frame(self.robot.time, pan, tilt, image, found))
 
     def _said(self, pose: FloatArray, kind: str, centres: FloatArray, colours: list[str]) -> Any:
-        floor = float(field.floor_height(pose[0], pose[1]))
-        T_map_camera = camera_pose(pose, floor, pan=self.pan, tilt=self.tilt)
+        T_map_camera = view_from(pose, self.pan, self.tilt)
         rng, camera = self._rng["camera"], CAMERA
         if kind == "ball":
             return balls_seen(camera, T_map_camera, centres, colours, rng)

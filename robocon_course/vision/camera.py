@@ -103,7 +103,13 @@ class Camera:
 
 
 def camera_pose(
-    pose: ArrayLike, floor: float = 0.0, *, pan: float = 0.0, tilt: float = 0.0, roll: float = 0.0
+    pose: ArrayLike,
+    floor: float = 0.0,
+    *,
+    pan: float = 0.0,
+    tilt: float = 0.0,
+    roll: float = 0.0,
+    rise: tuple[float, float] = (0.0, 0.0),
 ) -> FloatArray:
     """Where the robot's camera is and which way it looks.
 
@@ -115,6 +121,8 @@ def camera_pose(
         Height of the floor under it.
     pan, tilt, roll : float  [rad]
         Of the servos: pan to the left, tilt down; roll turns what the picture shows clockwise.
+    rise : (float, float)  [m per m]
+        Of the floor along the robot's x and y axis: on a slope the camera tips with the robot.
 
     Returns
     -------
@@ -128,7 +136,21 @@ def camera_pose(
         y + ahead * sin(theta) + left * cos(theta),
         floor + up,
     )
-    return looking(lens, theta + pan, tilt, roll)
+    level = looking(lens, theta + pan, tilt, roll)
+    return level if not any(rise) else _tipped(rise, theta, (x, y, floor)) @ level
+
+
+def _tipped(rise: tuple[float, float], theta: float, foot: tuple) -> FloatArray:
+    """What takes points around a level robot to where they are when it stands on a slope."""
+    ahead, left = np.array([1.0, 0.0, rise[0]]), np.array([0.0, 1.0, rise[1]])
+    ahead /= np.linalg.norm(ahead)
+    left -= ahead * (ahead @ left)
+    left /= np.linalg.norm(left)
+    turn = np.array([(cos(theta), -sin(theta), 0.0), (sin(theta), cos(theta), 0.0), (0, 0, 1.0)])
+    T = np.eye(4)
+    T[:3, :3] = turn @ np.column_stack([ahead, left, np.cross(ahead, left)]) @ turn.T
+    T[:3, 3] = foot - T[:3, :3] @ foot
+    return T
 
 
 def looking(lens: ArrayLike, heading: float, tilt: float, roll: float = 0.0) -> FloatArray:
