@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,7 @@ def as_floats(value: ArrayLike, name: str, *shape: int | None, finite: bool = Tr
         wanted = ", ".join("n" if n is None else str(n) for n in shape)
         comma = "," if len(shape) == 1 else ""
         raise ValueError(f"{name}: expected shape ({wanted}{comma}), got {array.shape}")
-    if finite and not np.isfinite(array).all():
+    if finite and not _finite(array):
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise ValueError(
             f"{name}: entry {where} is not a finite number; remove it or mend it first"
@@ -54,10 +55,20 @@ def as_floats(value: ArrayLike, name: str, *shape: int | None, finite: bool = Tr
     return array
 
 
+def _finite(array: FloatArray) -> bool:
+    """Whether every entry is; numpy takes longer to begin than a few numbers take in Python."""
+    if array.size <= 12:
+        return all(map(isfinite, array.ravel().tolist()))
+    return bool(np.isfinite(array).all())
+
+
 def _fits(got: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
-    return len(got) == len(wanted) and all(
-        n is None or n == g for g, n in zip(got, wanted, strict=True)
-    )
+    if len(got) != len(wanted):
+        return False
+    for length, other in zip(got, wanted, strict=True):
+        if other is not None and other != length:
+            return False
+    return True
 
 
 def as_vectors(value: ArrayLike, name: str, size: int) -> FloatArray:

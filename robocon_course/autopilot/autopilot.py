@@ -4,8 +4,9 @@
     Frame → sight → balls, silos ────────┼→ facts → mission table → play → target
                                          └→ route → follow → modules → Command
 
-A reading that is missing, stale, frozen or absurd is counted and bridged. Where none can be used for
-a while the mission says so (`State.NO_SENSORS`) and the robot stands. Nothing here raises for a value.
+A reading that is missing, stale, frozen or absurd is counted and bridged. Where none can be used
+for a while the mission says so (`State.NO_SENSORS`) and the robot stands. Nothing here raises for a
+value.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ from robocon_course.mission import (
     RESETS,
     Facts,
     History,
+    Rhythm,
     State,
     Table,
     Watch,
@@ -56,6 +58,10 @@ MOVED = 0.015
 """A target that moves farther than this gets a new path [m]."""
 TURN_ROOM = 0.475
 """From the middle to a wall: nearer the robot does not turn [m]."""
+FIRST_BALL = 40.0
+"""When the other team is expected to come first [s]."""
+STORING_TAKES = 4.0
+"""From the choice of a silo to the ball in it [s]."""
 SPEAKS = 400
 """So many lines of its log are kept."""
 BALL_STATES = (State.DETECT_BALL, State.SEARCH_BALL, State.TAKE_BALL, State.BACK_TO_STORAGE)
@@ -122,12 +128,13 @@ class Autopilot:
         self.facts = Facts()
         self.reckoning = Reckoning.at(start)
         self.walls = Walls(np.full(2, 0.005), as_floats(offsets, "offsets", 4))
-        self.sight = Sight(self.parts)
+        self.sight = Sight(self.parts, team)
         self.notes: dict[str, Any] = {}
         self.plan: FloatArray = np.empty((0, 2))
         self.speaks: list[tuple[float, str, str]] = []
         self.now, self.ordered = 0.0, (0.0, 0.0)
-        self._begins, self._ends = inf, inf
+        self._begins, self._ends, self._began = inf, inf, 0.0
+        self._stored: list[float] = []
         self._watch, self._speed, self._motion = Watch(), 0.0, np.zeros(2)
         self._route: Route | None = None
         self._target: tuple[float, float, float] | None = None
@@ -139,7 +146,8 @@ class Autopilot:
 
     def start(self, after: float = 0.0) -> None:
         """Play from now on, or in a while [s]."""
-        self._begins, self._ends = self.now + after, self.now + after + LENGTH
+        self._began = self._begins = self.now + after
+        self._ends = self._begins + LENGTH
 
     def stop(self) -> None:
         """Stand still, until `start`."""
@@ -186,6 +194,19 @@ class Autopilot:
     def standing(self) -> bool:
         """Whether the robot stands, by its own wheels."""
         return self._speed < STANDS
+
+    @property
+    def rhythm(self) -> Rhythm:
+        """How often both teams come to a silo, as far as it was noticed."""
+        theirs, usual = self.sight.their_balls, Rhythm()
+        gaps = np.diff(theirs)
+        gaps = gaps[gaps > 4.0]
+        period = float((usual.period + gaps.sum()) / (1 + len(gaps)))
+        last = theirs[-1] if theirs else self._began + FIRST_BALL - period
+        own = np.diff(self._stored)
+        every = float(np.clip((2 * usual.every + own[-4:].sum()) / (2 + len(own[-4:])), 8.0, 20.0))
+        arrival = self.now + STORING_TAKES
+        return Rhythm(every, last + period - arrival, period, 0.2 * period)
 
     def near(self, target: ArrayLike, gap: float = NEAR, turn: float = 0.06) -> bool:
         """Whether the robot is within `gap` [m] and `turn` [rad] of a pose."""
@@ -277,12 +298,11 @@ class Autopilot:
         if state is State.GO_TO_AREA_3:
             arrived = arrived and lidar_y(seen, self.pose[2]) > field.AREA_3_LINE
             arrived = arrived or (self.near((*field.AREA_3_GOAL, 0.0)) and self.waited > 25.0)
-        if state is State.REVERSE:
-            arrived = arrived and bool(notes.get("back"))
         if state is State.TAKE_BALL:
             arrived = arrived and bool(notes.get("straight"))
         released = bool(notes.get("let go")) and self._held and not seen.holding
         if released and state is State.APPROACH_SILO:
+            self._stored.append(self.now)
             self.sight.stored(notes["silo"], LETTERS[self.team])
         return Facts(
             waited=self.waited,
@@ -296,7 +316,7 @@ class Autopilot:
             stuck=bool(stuck),
             holding=bool(seen.holding),
             ball=notes.get("approach") is not None,
-            pushable=bool(self.sight.balls),
+            pushable=bool(self.sight.tracks),
             looked=bool(notes.get("looked")),
             silo=notes.get("silo") is not None,
             full=bool(notes.get("full")),

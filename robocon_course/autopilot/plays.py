@@ -14,7 +14,7 @@ import numpy as np
 
 from robocon_course import field
 from robocon_course.autopilot.route import DriveLimits
-from robocon_course.mission import Approach, State, is_full
+from robocon_course.mission import Approach, SeenBall, State, is_full
 from robocon_course.robot import SIDE
 
 if TYPE_CHECKING:
@@ -26,11 +26,13 @@ SILO_X = 4.75
 """From here all five silos are looked at on the way [m]."""
 BEFORE_SILO, AT_SILO = 5.15, 5.50
 """Robot's middle before a silo and when it lets go [m]; its arm reaches half a metre ahead."""
+BACK = 0.45
+"""So far it goes back from balls [m]."""
 PUSH_TO = 1.45
 """So far it goes into the pile [m]."""
 WALL = 0.16
 """Between the body and any wall where a ball is taken [m]: it may turn there."""
-BALL_TILT, SILO_TILT = 0.42, 0.05
+BALL_TILT, NEAR_TILT, SILO_TILT = 0.42, 0.70, 0.05
 """Of the camera [rad]."""
 PANS = (0.0, 0.75, -0.75)
 """Where it looks in turn for balls [rad]."""
@@ -123,12 +125,10 @@ def _push(pilot: Autopilot) -> Order:
 
 
 def _reverse(pilot: Autopilot) -> Order:
-    """Straight back from where it stands, then to the post."""
+    """Straight back from where it stands, to see what lies before it."""
     x, y, theta = pilot.notes.setdefault("from", tuple(pilot.pose))
-    back = (x - 0.35 * cos(theta), y - 0.35 * sin(theta), theta)
-    if pilot.near(back, 0.06) or not fits(*back):
-        pilot.notes["back"] = True
-    return Order(VIEW_POST if pilot.notes.get("back") else back)
+    back = (x - BACK * cos(theta), y - BACK * sin(theta), theta)
+    return Order(back if fits(*back) else VIEW_POST, tilt=BALL_TILT)
 
 
 def _take(pilot: Autopilot) -> Order:
@@ -140,7 +140,11 @@ def _take(pilot: Autopilot) -> Order:
         return Order((*way.ready, way.heading), watch="ball")
     c, s = cos(way.heading), sin(way.heading)
     end = way.take[0] + OVERSHOOT * c, way.take[1] + OVERSHOOT * s
-    return Order((*end, way.heading), TAKING, intake=1.0, tilt=0.6, watch="ball")
+    # The rollers take whatever comes: they turn only for the last bit of the way.
+    close = pilot.near((*way.take, way.heading), 0.14, inf)
+    intake = float(close or bool(pilot.notes.get("close")))
+    pilot.notes["close"] = bool(intake)
+    return Order((*end, way.heading), TAKING, intake=intake, tilt=NEAR_TILT, watch="ball")
 
 
 def _search_silo(pilot: Autopilot) -> Order:
@@ -161,7 +165,9 @@ def _search_silo(pilot: Autopilot) -> Order:
 
 
 def _choose(pilot: Autopilot) -> None:
-    silo = pilot.parts.choose_silo(pilot.sight.silos, pilot.team, float(pilot.pose[1]))
+    silo = pilot.parts.choose_silo(
+        pilot.sight.silos, pilot.team, float(pilot.pose[1]), pilot.rhythm
+    )
     if silo is not None:
         pilot.notes["silo"] = int(silo)
 
@@ -237,12 +243,13 @@ def approach_to_ball(pilot: Autopilot) -> Approach | None:
     balls = pilot.sight.balls
     if way is None:
         return pilot.parts.choose_ball(balls, pilot.team, pilot.pose, fits)
-    if pilot.notes.get("straight") and pilot.near((*way.take, way.heading), 0.3, inf):
-        return way  # it is under the camera now
+    straight = bool(pilot.notes.get("straight"))
+    if straight and _barred(way, pilot, balls):
+        return None
     own = [ball for ball in balls if ball.colour == pilot.team]
     gaps = [hypot(ball.x - way.ball.x, ball.y - way.ball.y) for ball in own]
     if not gaps or min(gaps) > 0.2:
-        return None
+        return way if straight and pilot.near((*way.take, way.heading), 0.3, inf) else None
     moved = own[int(np.argmin(gaps))]
     if min(gaps) < 0.015:
         return way
@@ -252,3 +259,15 @@ def approach_to_ball(pilot: Autopilot) -> Approach | None:
         ready=(way.ready[0] + shift[0], way.ready[1] + shift[1]),
         take=(way.take[0] + shift[0], way.take[1] + shift[1]),
     )
+
+
+def _barred(way: Approach, pilot: Autopilot, balls: list[SeenBall]) -> bool:
+    """Whether another ball has come between the rollers and the ball."""
+    c, s = cos(way.heading), sin(way.heading)
+    far = c * (way.ball.x - pilot.pose[0]) + s * (way.ball.y - pilot.pose[1])
+    for other in balls:
+        dx, dy = other.x - pilot.pose[0], other.y - pilot.pose[1]
+        ahead, aside = c * dx + s * dy, c * dy - s * dx
+        if other.colour != pilot.team and 0.3 < ahead < far - 0.03 and abs(aside) < 0.12:
+            return True
+    return False

@@ -24,14 +24,18 @@ MEMORY = 60
 """So many poses are remembered, to know where a picture was taken."""
 SAME = 0.13
 """Two sightings so near to each other are of one ball [m]; farther away they spread more."""
-RANGE = (0.35, 3.2)
+RANGE = (0.12, 3.2)
 """Balls nearer or farther than this are not looked for [m]."""
 VIEW = 0.46
 """Half of the camera's view in which a ball is expected to be found [rad]."""
+UPRIGHT = 0.33
+"""And half of its view from top to bottom [rad]."""
 MISSES = 4
 """So often not found where it should be, a ball is gone."""
 SURE = 2
 """So often seen, a ball is believed."""
+UNSEEN = 15.0
+"""A silo's last change may lie so far back [s]; nobody looks away for longer."""
 READINGS = 5
 """The last so many readings of a silo decide what it holds."""
 
@@ -59,7 +63,7 @@ class Track(NamedTuple):
     @property
     def ball(self) -> SeenBall:
         """As the mission takes it."""
-        return SeenBall(self.x, self.y, BALLS[int(np.argmax(self.votes))])
+        return SeenBall(self.x, self.y, BALLS[self.votes.index(max(self.votes))])
 
 
 class View(NamedTuple):
@@ -118,6 +122,8 @@ class Sight:
         What each is believed to hold, from bottom to top.
     seen_silos : list of float  [s]
         When each was seen last.
+    their_balls : list of float  [s]
+        About when the other team put each of its balls that was noticed.
     frames : int
         Pictures looked at.
     last : float  [s]
@@ -126,8 +132,10 @@ class Sight:
         What the last picture showed, for a screen.
     """
 
-    def __init__(self, parts: Parts) -> None:
+    def __init__(self, parts: Parts, team: str = "red") -> None:
         self.parts = parts
+        self._theirs = "B" if team == "red" else "R"
+        self.their_balls: list[float] = []
         self.tracks: list[Track] = []
         self.silos = [""] * len(field.SILOS)
         self.seen_silos = [-np.inf] * len(field.SILOS)
@@ -243,12 +251,16 @@ class Sight:
 
     def _read_silo(self, silo: int, filling: str, time: float) -> None:
         """Balls never leave a silo: fewer than before is a mistake, unless it is said often."""
-        self.seen_silos[silo] = time
+        before, self.seen_silos[silo] = self.seen_silos[silo], time
         read = self._read[silo]
         read.append(filling)
         same = sum(one == filling for one in read)
         grown = filling.startswith(self.silos[silo]) and len(filling) > len(self.silos[silo])
         if (grown and same >= 2) or same >= 4:
+            new = filling.count(self._theirs) - self.silos[silo].count(self._theirs)
+            if new > 0:  # some time since it was seen last
+                since = max(before, time - UNSEEN, *self.their_balls[-1:])
+                self.their_balls += [0.5 * (since + time)] * new
             self.silos[silo] = filling
 
 
@@ -256,7 +268,8 @@ def _expected_in(view: View, track: Track) -> bool:
     """Whether a ball should be found in a picture taken from there."""
     far = hypot(track.x - view.x, track.y - view.y)
     bearing = remainder(atan2(track.y - view.y, track.x - view.x) - view.heading, 2 * pi)
-    return abs(bearing) < VIEW and 0.7 < far < 2.5
+    down = atan2(view.height - field.STORAGE_ZONE.height - 0.5 * field.BALL_DIAMETER, far)
+    return abs(bearing) < VIEW and far < 2.5 and abs(down - view.tilt) < UPRIGHT
 
 
 def _matched(

@@ -7,8 +7,8 @@ axis):
 
     K = P / (P + R),    p <- p - K r u,    P <- (1 - K) P
 
-A residual too large for both is a leg, or a broken sensor: it is counted and not believed. Where all
-of them are too large for a while, it is the pose that is wrong.
+A residual too large for both is a leg, or a broken sensor: it is counted and not believed. Where
+all of them are too large for a while, it is the pose that is wrong.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from robocon_course.robot import LIDAR_HEIGHT, LIDARS, MODULES, SATURATED, WEAKE
 
 NOISE = 0.012
 """Of one reading, its rounding included: standard deviation [m]."""
-BLUR = 0.004
+BLUR = 0.0015
 """More of it for each metre: what the cone of light sees beside the wall."""
 NEAR, FAR = 0.13, 4.2
 """Readings outside of this are left alone [m]."""
@@ -37,7 +37,7 @@ SQUARE = 0.75
 """A beam must meet what it meets at least so squarely: the mean cosine to its normal."""
 ASLANT = 0.35
 """No beam farther than this from an axis of the map is used [rad]."""
-DRIFT, IDLE = 0.015, 0.0005
+DRIFT, IDLE = 0.008, 0.0005
 """So unsure the pose gets over a metre of way, and in a second of standing [m]; the variance grows
 with the way and the time."""
 GATE = 0.05

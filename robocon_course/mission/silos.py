@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache
+from typing import NamedTuple
 
 from robocon_course._arrays import CourseError
 from robocon_course.field import SILO_CAPACITY, SILOS
@@ -23,8 +24,15 @@ WINS = 3
 """So many silos win at once."""
 DISTANCE_WEIGHT = 0.1
 """Order B takes off this much for a metre of way."""
-DEPTH = 3
-"""How many balls the better order looks ahead: ours, theirs, ours."""
+AHEAD = 5
+"""How many balls the better order looks ahead after its own."""
+MOMENTS = ((0.25, -1.2), (0.5, 0.0), (0.25, 1.2))
+"""Weight, and how much later than expected they come, in spreads."""
+CHANCES = {
+    "": (0.40, 0.40), "o": (0.55, 0.30), "t": (0.30, 0.55), "oo": (0.60, 0.0), "tt": (0.0, 0.60),
+    "ot": (0.45, 0.45), "to": (0.45, 0.45),
+}  # fmt: skip
+"""Chances that a silo becomes ours, and theirs, by what it holds (o ours, t theirs)."""
 
 
 def own_and_theirs(filling: str, team: str) -> tuple[int, int]:
@@ -99,11 +107,37 @@ def order_b(fillings: Sequence[str], team: str, y: float) -> int | None:
     )
 
 
-def choose_silo(fillings: Sequence[str], team: str, y: float) -> int | None:
-    """The better order: look ahead. We place a ball, they place their best, we place ours.
+class Rhythm(NamedTuple):
+    """How often the two teams come to a silo.
 
-    What counts is silos won and lost, three at once more than all; then balls that the other team
-    can no longer cover, and last the way.
+    Attributes
+    ----------
+    every : float  [s]
+        From one of our balls to the next.
+    next : float  [s]
+        From our next ball to theirs, as far as can be said; below 0 they are late.
+    period, spread : float  [s]
+        From one of their balls to the next, and how unsure that is.
+    """
+
+    every: float = 12.0
+    next: float = 12.0
+    period: float = 25.0
+    spread: float = 4.0
+
+
+def choose_silo(
+    fillings: Sequence[str],
+    team: str,
+    y: float,
+    rhythm: Rhythm = Rhythm(),  # noqa: B008 - a NamedTuple cannot change
+) -> int | None:
+    """The better order: look ahead, and mind who comes next.
+
+    A pair of ours is safe as long as the other team does not come before our third ball. So all
+    ways to place our next balls are tried, theirs go where order B would put them, and what counts
+    in the end is the chance to have three silos before they do. When they come is not sure: it is
+    done for three moments.
 
     Parameters
     ----------
@@ -112,6 +146,7 @@ def choose_silo(fillings: Sequence[str], team: str, y: float) -> int | None:
     team : {"red", "blue"}
     y : float  [m, map]
         Where the robot is along the row of silos.
+    rhythm : Rhythm
 
     Returns
     -------
@@ -121,15 +156,19 @@ def choose_silo(fillings: Sequence[str], team: str, y: float) -> int | None:
     own = _letter(team)
     theirs = "B" if own == "R" else "R"
     known = tuple(_balls(filling) for filling in fillings)
+    turns = [
+        (weight, _turns(rhythm, rhythm.next + late * rhythm.spread)) for weight, late in MOMENTS
+    ]
 
     def worth(k: int) -> float:
         told = tuple(sorted((*known[:k], known[k] + own, *known[k + 1 :])))
-        return -_outlook(told, theirs, own, DEPTH - 1) - 0.001 * abs(SILOS[k][1] - y)
+        chance = sum(weight * _outlook(told, turn, own, theirs) for weight, turn in turns)
+        return chance - 0.001 * abs(SILOS[k][1] - y)
 
     return _best(fillings, worth)
 
 
-STRATEGIES: dict[str, Callable[[Sequence[str], str, float], int | None]] = {
+STRATEGIES: dict[str, Callable[..., int | None]] = {
     "A": order_a,
     "B": order_b,
     "ahead": choose_silo,
@@ -137,36 +176,66 @@ STRATEGIES: dict[str, Callable[[Sequence[str], str, float], int | None]] = {
 """All orders by name."""
 
 
+def _turns(rhythm: Rhythm, theirs: float) -> str:
+    """Who places the balls after our next one: ``"o"`` we, ``"t"`` they."""
+    turns, ours, period = "", rhythm.every, max(rhythm.period, 1.0)
+    while len(turns) < AHEAD:
+        if theirs <= ours:
+            turns, theirs = turns + "t", max(theirs, 0.0) + period
+        else:
+            turns, ours = turns + "o", ours + max(rhythm.every, 1.0)
+    return turns
+
+
 @cache
-def _outlook(fillings: tuple[str, ...], mover: str, other: str, depth: int) -> float:
-    """How good a position is for the team that places the next ball."""
-    if depth == 0 or winner(fillings):
-        return _position(fillings, mover, other)
-    places = [k for k, filling in enumerate(fillings) if not is_full(filling)]
-    if not places:
-        return _position(fillings, mover, other)
+def _outlook(fillings: tuple[str, ...], turns: str, own: str, theirs: str) -> float:
+    """How good a position is for us, if both go on as well as they know."""
+    won = winner(fillings)
+    if won:
+        return 2.0 if won == own else -2.0
+    places = [k for k in range(len(fillings)) if not is_full(fillings[k])]
+    if not turns or not places:
+        return _chance(fillings, own, theirs)
+    letter = own if turns[0] == "o" else theirs
+    if letter == theirs:
+        team = next(name for name, known in LETTERS.items() if known == theirs)
+        places = [max(places, key=lambda k: _rank(fillings[k], team))]
     return max(
-        -_outlook(
-            tuple(sorted((*fillings[:k], fillings[k] + mover, *fillings[k + 1 :]))),
-            other, mover, depth - 1,
-        )
+        _outlook(_with(fillings, k, letter), turns[1:], own, theirs)
         for k in places
-    )  # fmt: skip
+        if fillings[k] not in fillings[:k]
+    )
 
 
-def _position(fillings: Sequence[str], own: str, theirs: str) -> float:
-    """Silos won and lost, and those that the next ball decides, as a number."""
-    owners = [owner(filling) for filling in fillings]
-    mine, lost = owners.count(own), owners.count(theirs)
-    if mine >= WINS or lost >= WINS:
-        return 100.0 if mine >= WINS else -100.0
-    value = (3.0 + mine) * mine - (3.0 + lost) * lost
-    for filling in fillings:
-        if len(filling) == SILO_CAPACITY - 1:  # whose ball comes next decides
-            value += 1.0 * (own in filling) - 1.0 * (theirs in filling)
-        elif len(filling) == 1:
-            value += 0.3 if filling == own else -0.3
-    return value
+def _with(fillings: tuple[str, ...], k: int, letter: str) -> tuple[str, ...]:
+    return tuple(sorted((*fillings[:k], fillings[k] + letter, *fillings[k + 1 :])))
+
+
+def _chance(fillings: Sequence[str], own: str, theirs: str) -> float:
+    """Our chance to get three silos less theirs, and a little for each silo."""
+    ours, others = zip(*(_shares(filling, own, theirs) for filling in fillings), strict=True)
+    return _three(ours) - _three(others) + 0.05 * (sum(ours) - sum(others))
+
+
+def _shares(filling: str, own: str, theirs: str) -> tuple[float, float]:
+    """Chances that a silo becomes ours, and theirs: rough, and the same for both teams."""
+    if len(filling) == SILO_CAPACITY:
+        return float(owner(filling) == own), float(owner(filling) == theirs)
+    return CHANCES[filling.replace(own, "o").replace(theirs, "t")]
+
+
+def _three(chances: Sequence[float]) -> float:
+    """The chance that three or more of some independent things come true."""
+    exactly = [1.0, 0.0, 0.0, 0.0]
+    for p in chances:
+        none, one, two, more = exactly
+        exactly = [
+            none * (1 - p),
+            one * (1 - p) + none * p,
+            two * (1 - p) + one * p,
+            more + two * p,
+        ]
+    return exactly[3]
 
 
 def _rank(filling: str, team: str) -> float:
