@@ -9,10 +9,16 @@
 ``route``       start and goal -> path and speeds
 ``following``   path and pose -> velocity on the field
 ``modules``     velocity on the field -> command for the modules
-``pilot``       `Pilot`: all of it, observation by observation
+``pilot``       `Pilot`: drives one route, observation by observation
+``walls``       distances to walls -> a better pose
+``sight``       pictures -> balls and silos on the map
+``plays``       what to do in each state of the mission
+``autopilot``   `Autopilot`: a whole match, observation by observation
+``telemetry``   what it tells on the bus
 ==============  ==========================================================
 """
 
+from robocon_course.autopilot.autopilot import Autopilot
 from robocon_course.autopilot.following import Following, FollowSettings, follow_step
 from robocon_course.autopilot.modules import hold, module_command
 from robocon_course.autopilot.parts import Part, Parts
@@ -27,10 +33,14 @@ from robocon_course.autopilot.sensing import (
     lidar_y,
     reckon,
 )
+from robocon_course.autopilot.sight import Sight
+from robocon_course.autopilot.telemetry import Telemetry
+from robocon_course.autopilot.walls import Walls, expected_readings, measured_offsets
 
 __all__ = [
     "COUNTER_BITS",
     "HEADINGS",
+    "Autopilot",
     "DriveLimits",
     "FollowSettings",
     "Following",
@@ -39,11 +49,16 @@ __all__ = [
     "Pilot",
     "Reckoning",
     "Route",
+    "Sight",
+    "Telemetry",
+    "Walls",
     "attitude_angles",
     "dead_reckoning",
+    "expected_readings",
     "follow_step",
     "hold",
     "lidar_y",
+    "measured_offsets",
     "module_command",
     "plan_route",
     "reckon",

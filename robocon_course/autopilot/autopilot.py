@@ -99,6 +99,8 @@ class Autopilot:
         The path it drives.
     speaks : list of (float, str, str)
         Time [s], level and text of what the operator should know.
+    spoken : int
+        How many such lines there were; only the last ones are kept.
 
     Raises
     ------
@@ -132,6 +134,7 @@ class Autopilot:
         self.notes: dict[str, Any] = {}
         self.plan: FloatArray = np.empty((0, 2))
         self.speaks: list[tuple[float, str, str]] = []
+        self.spoken = 0
         self.now, self.ordered = 0.0, (0.0, 0.0)
         self._begins, self._ends, self._began = inf, inf, 0.0
         self._stored: list[float] = []
@@ -346,6 +349,7 @@ class Autopilot:
 
     def _say(self, level: str, text: str) -> None:
         self.speaks.append((self.now, level, text))
+        self.spoken += 1
         del self.speaks[:-SPEAKS]
 
     # --- driving ----------------------------------------------------------------------------------

@@ -23,6 +23,7 @@ from robocon_course.worlds.imu import (
     rest_means,
     rough_drive,
 )
+from robocon_course.worlds.match import MatchResult, Play, play_match, season
 from robocon_course.worlds.practice import (
     PUBLISHED,
     SOURCE_PATHS,
@@ -79,7 +80,9 @@ __all__ = [
     "EyeWorld",
     "FieldDrive",
     "ImuWorld",
+    "MatchResult",
     "OdometryWorld",
+    "Play",
     "PracticeWorld",
     "RoughDrive",
     "Rung",
@@ -106,11 +109,13 @@ __all__ = [
     "own_robot",
     "own_wheels",
     "passable_field",
+    "play_match",
     "practice_world",
     "random_legs",
     "rest_means",
     "rough_drive",
     "rough_drive_log",
+    "season",
     "simulated_drive",
     "slip_log",
     "some_boxes",
