@@ -181,6 +181,7 @@ class Autopilot:
 
     @property
     def pose(self) -> FloatArray:
+        """Where the robot believes to be, shape (3,) [m, m, rad; map]."""
         return self.reckoning.pose
 
     @property

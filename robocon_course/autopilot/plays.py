@@ -32,6 +32,8 @@ PUSH_TO = 1.45
 """So far it goes into the pile [m]."""
 WALL = 0.16
 """Between the body and any wall where a ball is taken [m]: it may turn there."""
+CLOSE = 0.04
+"""Between the body and any wall at the very end of that way [m]."""
 BALL_TILT, NEAR_TILT, SILO_TILT = 0.42, 0.70, 0.05
 """Of the camera [rad]."""
 PANS = (0.0, 0.75, -0.75)
@@ -75,20 +77,22 @@ class Order(NamedTuple):
     watch: str = ""
 
 
-def fits(x: float, y: float, heading: float) -> bool:
+def fits(x: float, y: float, heading: float, wall: float = WALL) -> bool:
     """Whether the robot's square stands free there, with room to turn.
 
     Parameters
     ----------
     x, y : float  [m, map]
     heading : float  [rad]
+    wall : float  [m]
+        So much room between its corners and any wall.
 
     Returns
     -------
     bool
         In the Storage Zone and Area 3 only.
     """
-    reach = 0.5 * SIDE * (abs(cos(heading)) + abs(sin(heading))) + WALL
+    reach = 0.5 * SIDE * (abs(cos(heading)) + abs(sin(heading))) + wall
     return reach <= x <= field.EDGE - reach and 8.0 + reach <= y <= field.SIZE - reach
 
 
@@ -254,11 +258,13 @@ def approach_to_ball(pilot: Autopilot) -> Approach | None:
     if min(gaps) < 0.015:
         return way
     shift = moved.x - way.ball.x, moved.y - way.ball.y
-    return way._replace(
+    way = way._replace(
         ball=moved,
         ready=(way.ready[0] + shift[0], way.ready[1] + shift[1]),
         take=(way.take[0] + shift[0], way.take[1] + shift[1]),
     )
+    end = (way.take[0] + OVERSHOOT * cos(way.heading), way.take[1] + OVERSHOOT * sin(way.heading))
+    return way if fits(*end, way.heading, CLOSE) else None  # it rolled to a wall
 
 
 def _barred(way: Approach, pilot: Autopilot, balls: list[SeenBall]) -> bool:

@@ -114,6 +114,7 @@ class Sight:
     ----------
     parts : Parts
         ``bearing_and_range``, ``decode``, ``non_max_suppression`` and ``silo_contents`` are used.
+    team : {"red", "blue"}
 
     Attributes
     ----------

@@ -33,8 +33,9 @@ BLUR = 0.0015
 """More of it for each metre: what the cone of light sees beside the wall."""
 NEAR, FAR = 0.13, 4.2
 """Readings outside of this are left alone [m]."""
-SQUARE = 0.75
-"""A beam must meet what it meets at least so squarely: the mean cosine to its normal."""
+SQUARE = 0.4
+"""So much of a beam's light must meet something squarely: the mean cosine to its normal, where what
+passes over a board counts 0. A floor gives a tenth."""
 ASLANT = 0.35
 """No beam farther than this from an axis of the map is used [rad]."""
 DRIFT, IDLE = 0.008, 0.0005
@@ -102,10 +103,16 @@ def expected(x, y, theta, mounts, rays, world, modules, table, no_cells, out):
     Parameters
     ----------
     x, y, theta : float  [m, m, rad; map]
-    mounts, rays, world, no_cells
-        As `beams.mean_distance` takes them.
-    modules, table
-        As `floor_plane` takes them.
+    mounts : ndarray, shape (n, 4)  [m, m, m, rad; base]
+        x, y, height above the floor, direction.
+    rays : ndarray, shape (k, 3)
+        As `beams.SPOT`.
+    world : Surroundings
+    modules : ndarray, shape (4, 2)  [m, base]
+        What the robot stands on.
+    table : ndarray, shape (k, 7)
+        `field.FLOOR_TABLE`.
+    no_cells : ndarray of int64, shape (0, 2)
     out : ndarray, shape (n, 2)
         Distance [m] and mean cosine.
     """
@@ -207,7 +214,16 @@ def correct(
 
 
 def inside(x: float, y: float) -> bool:
-    """Whether a point lies inside the own half."""
+    """Whether a point lies inside the own half.
+
+    Parameters
+    ----------
+    x, y : float  [m, map]
+
+    Returns
+    -------
+    bool
+    """
     return bool(0.0 < x < field.EDGE and 0.0 < y < field.SIZE)
 
 

@@ -102,7 +102,21 @@ def silos_seen(
     rng: np.random.Generator,
     mistakes: Mistakes = Mistakes(),  # noqa: B008 - a NamedTuple cannot change
 ) -> Detections:
-    """The silos in view, as `balls_seen`; `fillings` are those of silos 1 to 5."""
+    """The silos in view.
+
+    Parameters
+    ----------
+    camera : Camera
+    T_map_camera : ndarray, shape (4, 4)
+    fillings : sequence of str
+        Of silos 1 to 5, as `vision.SILOS` writes them.
+    rng : numpy.random.Generator
+    mistakes : Mistakes
+
+    Returns
+    -------
+    Detections
+    """
     boxes, ids, shares = [], [], []
     for (x, y), filling in zip(field.SILOS, fillings, strict=True):
         tall = field.SILO_HEIGHT + (0.135 if len(filling) == 3 else 0.0)

@@ -66,15 +66,16 @@ class Referee:
     events : list of Event
     winner, reason : str
         Empty while the match is played.
+    ended : float  [s]
     """
 
     letter: str
-    fillings: list[str] = field(default_factory=lambda: [""] * len(SILOS))
-    points: dict[str, int] = field(default_factory=lambda: {"own": 0, "theirs": 0})
-    events: list[Event] = field(default_factory=list)
-    winner: str = ""
-    reason: str = ""
-    ended: float = MATCH
+    fillings: list[str] = field(init=False, default_factory=lambda: [""] * len(SILOS))
+    points: dict[str, int] = field(init=False, default_factory=lambda: {"own": 0, "theirs": 0})
+    events: list[Event] = field(init=False, default_factory=list)
+    winner: str = field(init=False, default="")
+    reason: str = field(init=False, default="")
+    ended: float = field(init=False, default=MATCH)
 
     def letter_of(self, team: str) -> str:
         """Of a team's balls."""

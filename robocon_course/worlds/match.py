@@ -272,8 +272,8 @@ def play_match(
     rows, states, errors, resets, history, balls, colours = [], [], 0.0, [], [], [], []
     last, ticks = None, 0
     while not match.over:
+        pose, _ = match.robot.motion  # where it is as it reads its sensors
         play.tick()
-        pose, _ = match.robot.motion
         off = hypot(pilot.pose[0] - pose[0], pilot.pose[1] - pose[1])
         errors, ticks = errors + off * off, ticks + 1
         if pilot.history.since != last:
