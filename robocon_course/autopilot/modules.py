@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -10,6 +12,10 @@ from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.autopilot.parts import Parts
 from robocon_course.geometry import TURN
 from robocon_course.robot import MAX_SPEED, MODULES, Command
+from robocon_course.swerve.chain import field_targets
+
+CHAIN = ("field_to_robot", "discretize", "module_targets", "limit_speeds", "shortest_turn")
+"""The parts that `field_targets` does in one compiled step."""
 
 
 def module_command(
@@ -60,6 +66,8 @@ def module_command(
         raise ValueError(f"dt: expected seconds above 0, got {dt}")
     if not _can_be_driven(twist, theta, angles, dt):
         return hold(angles)
+    if parts.are_the_courses(*CHAIN):
+        return Command(*field_targets(MODULES, twist, theta, angles, dt, max_speed))
     body = np.asarray(parts.field_to_robot(twist, theta), float)
     body = np.asarray(parts.discretize(body, dt), float)
     targets = _as_arrays(parts.module_targets(MODULES, body, angles))
@@ -90,10 +98,10 @@ def hold(angles: ArrayLike) -> Command:
 
 def _can_be_driven(twist: FloatArray, theta: float, angles: FloatArray, dt: float) -> bool:
     """Whether an order and the readings beside it make sense."""
-    with np.errstate(over="ignore"):
-        squares = np.square(twist)  # the modules' speeds are roots of sums of them
-    finite = np.isfinite(squares.sum()) and np.isfinite(theta) and np.isfinite(angles).all()
-    return bool(finite and abs(twist[2] * dt) < TURN)
+    vx, vy, omega = twist.tolist()
+    square = vx * vx + vy * vy + omega * omega  # the modules' speeds are roots of such sums
+    finite = isfinite(square) and isfinite(theta) and all(map(isfinite, angles.tolist()))
+    return finite and abs(omega * dt) < TURN
 
 
 def _as_arrays(targets: swerve.ModuleTargets) -> swerve.ModuleTargets:

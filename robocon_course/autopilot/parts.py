@@ -74,6 +74,10 @@ class Parts:
         """Names of all parts, in the order in which data meets them."""
         return tuple(f.name for f in fields(Parts) if f.name != "mine")
 
+    def are_the_courses(self, *names: str) -> bool:
+        """Whether these parts are the course's own: what they do together may then be compiled."""
+        return all(getattr(self, name) is getattr(Parts, name) for name in names)
+
     @property
     def label(self) -> str:
         """Which parts are the student's, in a few words for a figure."""

@@ -13,6 +13,7 @@ from robocon_course import field, imu, odometry
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.autopilot.parts import Parts
 from robocon_course.geometry import TURN
+from robocon_course.odometry.motion import odometry_update
 from robocon_course.robot import DEAD_WHEELS, LIDARS, SATURATED, WEAKEST, Observation
 
 COUNTER_BITS = 32
@@ -222,17 +223,61 @@ def reckon(
     leapt = usable and not 0.0 < dt <= LONGEST_GAP
     if not usable or (leapt and (dt == 0.0 or state.missed < PATIENCE)):
         return state._replace(missed=state.missed + 1, rejected=state.rejected + 1)
-    changes = parts.tick_changes(np.array([state.ticks, ticks]).astype(np.int64), COUNTER_BITS)
-    travel = parts.wheel_travel(wheels, changes)
-    turned = float(np.asarray(parts.body_deltas(wheels, travel))[0, 2])
-    rate, strange = (nan, False) if leapt else _rate(gyro, turned / dt, state.rate)
+    counted = ticks.astype(np.int64)
+    rolled = _Rolled.of(parts, wheels, state.ticks, counted)
+    rate, strange = (nan, False) if leapt else _rate(gyro, rolled.turned / dt, state.rate)
     step = dt if not leapt else LONGEST_GAP
     believed = nan if strange else rate
-    heading = odometry.fuse_heading(state.heading, believed, turned / step, step)
-    deltas = parts.body_deltas(wheels, travel, np.array([state.heading.yaw, heading.yaw]))
-    pose = np.array(parts.integrate(deltas, state.pose), float)[-1]
-    ticks, rejected = ticks.astype(np.int64), state.rejected + strange
-    return Reckoning(pose, heading, now, ticks, nan if leapt else dt, rate, rejected=rejected)
+    heading = odometry.fuse_heading(state.heading, believed, rolled.turned / step, step)
+    pose = rolled.pose(parts, wheels, state, heading.yaw)
+    rejected = state.rejected + strange
+    return Reckoning(pose, heading, now, counted, nan if leapt else dt, rate, rejected=rejected)
+
+
+CHAIN = ("tick_changes", "wheel_travel", "body_deltas", "integrate")
+"""Parts whose compiled kernel does the same in one step, if all of them are the course's."""
+
+
+class _Rolled(NamedTuple):
+    """What the dead wheels rolled between two observations.
+
+    Attributes
+    ----------
+    turned : float  [rad]
+        How far the base turned, by the wheels.
+    changes : ndarray, shape (3,)
+        Counts.
+    travel : ndarray, shape (1, 3), or None  [m]
+        By the parts; None: their kernel is used.
+    """
+
+    turned: float
+    changes: NDArray
+    travel: FloatArray | None
+
+    @classmethod
+    def of(
+        cls, parts: Parts, wheels: odometry.TrackingWheels, before: NDArray, now: NDArray
+    ) -> _Rolled:
+        if parts.are_the_courses(*CHAIN):
+            half = 1 << (COUNTER_BITS - 1)
+            changes = (now - before + half) % (2 * half) - half
+            return cls(float(wheels.turn_per_tick @ changes), changes, None)
+        changes = parts.tick_changes(np.array([before, now]), COUNTER_BITS)
+        travel = parts.wheel_travel(wheels, changes)
+        return cls(float(np.asarray(parts.body_deltas(wheels, travel))[0, 2]), changes, travel)
+
+    def pose(
+        self, parts: Parts, wheels: odometry.TrackingWheels, state: Reckoning, yaw: float
+    ) -> FloatArray:
+        """The pose after it, heading to `yaw` now."""
+        if self.travel is None:
+            pose, turn = state.pose.copy(), remainder(yaw - state.heading.yaw, TURN)
+            counts = self.changes.astype(float)
+            odometry_update(pose, counts, wheels.per_tick, wheels.per_turn, turn)
+            return pose
+        deltas = parts.body_deltas(wheels, self.travel, np.array([state.heading.yaw, yaw]))
+        return np.array(parts.integrate(deltas, state.pose), float)[-1]
 
 
 def _rate(gyro: FloatArray, by_wheels: float, last: float) -> tuple[float, bool]:

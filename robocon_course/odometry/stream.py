@@ -109,9 +109,7 @@ class Odometry:
 
     @cached_property
     def _by_gyroscope(self) -> tuple[FloatArray, FloatArray]:
-        per_tick = np.zeros((3, len(self._wheels.radius)))
-        per_tick[:2] = self._wheels.shift_solver * self._wheels.metres_per_tick
-        return per_tick, np.append(self._wheels.shift_per_turn, 1.0)
+        return self._wheels.per_tick, self._wheels.per_turn
 
     @property
     def pose(self) -> FloatArray:

@@ -95,6 +95,22 @@ class TrackingWheels:
         return frozen(-self._inverse(2) @ self._constraints[:, 2])
 
     @cached_property
+    def per_tick(self) -> FloatArray:
+        """How each wheel's count moves the base, its turn known from elsewhere; shape (3, n)."""
+        shift = self.shift_solver * self.metres_per_tick
+        return frozen(np.vstack([shift, np.zeros(len(self.radius))]))
+
+    @cached_property
+    def per_turn(self) -> FloatArray:
+        """How such a turn moves the base, as seen by the wheels; shape (3,)."""
+        return frozen(np.append(self.shift_per_turn, 1.0))
+
+    @cached_property
+    def turn_per_tick(self) -> FloatArray:
+        """How each wheel's count turns the base, by the wheels alone; shape (n,) [rad]."""
+        return frozen(self.solver[2] * self.metres_per_tick)
+
+    @cached_property
     def _constraints(self) -> FloatArray:
         """The wheel matrix, with one more row where the wheels imply a wheel that never rolls."""
         if len(self.radius) != 2 or abs(np.sin(np.diff(self.directions)[0])) > WELL_POSED:
