@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, inf, isfinite, nan, pi, radians, remainder, sin
+from math import cos, fsum, inf, isfinite, nan, pi, radians, remainder, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -285,8 +285,8 @@ def _rate(gyro: FloatArray, by_wheels: float, last: float) -> tuple[float, bool]
 
     One such reading is a disturbance on the line. A second one is a robot that really turns.
     """
-    known = gyro[np.isfinite(gyro)]
-    rate = float(known.mean()) if len(known) else nan
+    known = [one for one in gyro.tolist() if isfinite(one)]
+    rate = fsum(known) / len(known) if known else nan
     before = last if isfinite(last) else by_wheels
     return rate, abs(rate - by_wheels) > LEAP and abs(rate - before) > LEAP
 

@@ -203,5 +203,5 @@ class Balls:
     @property
     def held(self) -> int:
         """Number of the ball in the gripper, or -1."""
-        found = np.flatnonzero(self.place == HELD)
-        return int(found[0]) if len(found) else -1
+        places = self.place.tolist()
+        return places.index(HELD) if HELD in places else -1

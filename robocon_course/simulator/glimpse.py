@@ -86,12 +86,13 @@ def balls_seen(
             continue
         gap = np.linalg.norm(points[k][:, None] - middle[None, :k], axis=-1)
         seen = inside[k] & (gap > radius[None, :k]).all(axis=1)
-        if seen.mean() < LEAST_SEEN:
+        share = np.count_nonzero(seen) / len(seen)
+        if share < LEAST_SEEN:
             continue
         shown = points[k][seen]
         boxes.append(np.r_[shown.min(axis=0), shown.max(axis=0)])
         ids.append(BALLS.index(colours[ball]))
-        shares.append(seen.mean())
+        shares.append(share)
     return _told(camera, boxes, ids, shares, len(BALLS), rng, mistakes)
 
 

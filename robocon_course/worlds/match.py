@@ -124,6 +124,29 @@ class MatchResult:
         )
 
 
+def new_pilot(parts: Parts, student: Student, setting: str) -> Autopilot:
+    """An autopilot as its crew sets it up.
+
+    Parameters
+    ----------
+    parts : Parts
+    student : int or str
+    setting : str
+        Team, what each of the four LiDARs reads too much [m], and 1 or 0 for the use of LiDARs and
+        of the gyroscope, with blanks between: as it stands in a log.
+
+    Returns
+    -------
+    Autopilot
+    """
+    team, *numbers, walls, imu = setting.split()
+    return Autopilot(
+        parts, calibrated_wheels(student, parts), team,
+        offsets=[float(number) for number in numbers],
+        use_walls=walls == "1", use_imu=imu == "1",
+    )  # fmt: skip
+
+
 class Play:
     """A match that can be played bit by bit: for screens, logs, and `play_match`.
 
@@ -174,22 +197,26 @@ class Play:
             model=own_robot(student), sensors=SensorModel(imu=own_imu(student)),
         )  # fmt: skip
         told = self.match.set_up()
-        self.pilot = Autopilot(
-            parts, calibrated_wheels(student, parts), team, use_walls=walls, use_imu=imu,
-            offsets=measured_offsets(told) if set_up else np.zeros(4),
-        )  # fmt: skip
+        offsets = measured_offsets(told) if set_up else np.zeros(4)
+        setting = " ".join([team, *map(repr, offsets.tolist()), *map(str, (int(walls), int(imu)))])
+        self.pilot = new_pilot(parts, student, setting)
         self.bus, self._retries = bus, 0
         self._telemetry = Telemetry(bus, self.pilot) if bus is not None else None
         self._events = 0
         if bus is not None:
+            bus.publish("/operator", Button("set_up", setting))
             bus.subscribe("/operator", self._pressed)
         while self.match.robot.time < REST + SET_UP_TAKES:
             self.tick()
 
     def start(self) -> None:
         """Start the clock."""
+        if self.match.started is not None:
+            return
         self.match.start()
         self.pilot.start()
+        if self.bus is not None:
+            self.bus.publish("/operator", Button("start"))
 
     def tick(self) -> None:
         """One control cycle."""
@@ -206,6 +233,9 @@ class Play:
             from robocon_course.simulator.referee import RETRY_COSTS
 
             pilot.restart(match.home, RETRY_COSTS)
+            if self.bus is not None:
+                where = " ".join(map(repr, map(float, (*match.home, RETRY_COSTS))))
+                self.bus.publish("/operator", Button("placed", where))
 
     def _pressed(self, topic: str, button: Button) -> None:
         """The operator's buttons."""
