@@ -303,7 +303,7 @@ class Autopilot:
             arrived = arrived and lidar_y(seen, self.pose[2]) > field.AREA_3_LINE
             arrived = arrived or (self.near((*field.AREA_3_GOAL, 0.0)) and self.waited > 25.0)
         if state is State.TAKE_BALL:
-            arrived = arrived and bool(notes.get("straight"))
+            arrived = arrived and bool(notes.get("close"))
         released = bool(notes.get("let go")) and self._held and not seen.holding
         if released and state is State.APPROACH_SILO:
             self._stored.append(self.now)

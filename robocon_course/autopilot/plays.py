@@ -32,6 +32,8 @@ PUSH_TO = 1.45
 """So far it goes into the pile [m]."""
 WALL = 0.16
 """Between the body and any wall where a ball is taken [m]: it may turn there."""
+PATIENCE = 0.6
+"""A ball that is driven to may be out of sight so long [s]."""
 CLOSE = 0.04
 """Between the body and any wall at the very end of that way [m]."""
 BALL_TILT, NEAR_TILT, SILO_TILT = 0.42, 0.70, 0.05
@@ -253,7 +255,9 @@ def approach_to_ball(pilot: Autopilot) -> Approach | None:
     own = [ball for ball in balls if ball.colour == pilot.team]
     gaps = [hypot(ball.x - way.ball.x, ball.y - way.ball.y) for ball in own]
     if not gaps or min(gaps) > 0.2:
-        return way if straight and pilot.near((*way.take, way.heading), 0.3, inf) else None
+        unseen = pilot.now - pilot.notes.get("seen", pilot.now)
+        return way if straight or unseen < PATIENCE else None
+    pilot.notes["seen"] = pilot.now
     moved = own[int(np.argmin(gaps))]
     if min(gaps) < 0.015:
         return way
