@@ -114,7 +114,7 @@ class Controls:
     def _make_stick(self) -> None:
         self.manual = w.ToggleButton(False, description="Drive by hand", icon="gamepad")
         self.manual.observe(self._took_over, names="value")
-        self.keys = w.Text(placeholder="click here, then hold W A S D Q E", continuous_update=True)
+        self.keys = w.Text(placeholder="or hold WASD, QE", continuous_update=True)
         self.keys.observe(self._typed, names="value")
         self.sliders = [
             w.FloatSlider(0.0, min=-end, max=end, step=0.1, description=name, **_SLIM)
@@ -140,14 +140,15 @@ class Controls:
         return w.Button(description=words, icon=icon, button_style=style, layout=_grown())
 
     def _laid_out(self) -> w.VBox:
-        self.manual.layout = _grown()
-        self.keys.layout = w.Layout(flex="2 1 0", width="auto", min_width="0")
+        self.manual.layout = w.Layout(flex="1 0 9.5em", width="auto")
+        self.keys.layout = w.Layout(flex="2 1 9em", width="auto", min_width="0")
         rows = (
             (self.start, self.stop, self.retry),
             (self.colour, self.side),
             (self.manual, self.keys),
         )
         lines = [w.HBox(row, layout=w.Layout(width="100%", flex_flow="row wrap")) for row in rows]
+        self.release.layout = w.Layout(flex="0 1 7em", width="auto", min_width="6em")
         gripper = w.HBox([self.intake, self.release], layout=w.Layout(width="100%"))
         all_of_it = [*lines, *self.sliders, gripper, self.pan, self.tilt]
         return w.VBox(all_of_it, layout=w.Layout(width="100%", min_width="0", overflow="hidden"))

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from robocon_course.robot import Bus
+from robocon_course.vision.classes import classes_of
 
 OWN = ("/operator", "/cmd_vel")
 """Topics on which operators speak, not robots."""
@@ -65,6 +66,8 @@ class Inbox:
         Where the robot believed to be, some centimetres apart.
     ticks : deque of (time, ticks)
         The dead wheels of the last half second.
+    found : dict of kind to messages.Detection2DArray
+        The last of each network.
     counts : dict
         How many warnings and errors there were.
     reached : bool
@@ -80,6 +83,7 @@ class Inbox:
         self.states: deque[Any] = deque(maxlen=LINES)
         self.trail: deque[tuple[float, float]] = deque(maxlen=TRAIL)
         self.ticks: deque[tuple[float, Any]] = deque(maxlen=50)
+        self.found: dict[str, Any] = {}
         self.counts = {"warning": 0, "error": 0}
         self.reached = self.running = False
         self._heard: float | None = None
@@ -89,6 +93,7 @@ class Inbox:
             "/observation": self._observation,
             "/odom": self._odom,
             "/plan": self._plan,
+            "/camera/detections": self._detections,
             "/rosout": self._log,
             "/mission/state": self._state,
             "/operator": self._button,
@@ -164,6 +169,12 @@ class Inbox:
     def _plan(self, message: Any) -> None:
         len(message.xy)
         self.reached = False
+
+    def _detections(self, message: Any) -> None:
+        classes_of(message.kind)
+        if not len(message.boxes) == len(message.scores) == len(message.labels):
+            raise ValueError("boxes, scores and labels are not equally many")
+        self.found[message.kind] = message
 
     def _log(self, message: Any) -> None:
         self._enter(Entry(float(message.time), str(message.level), str(message.text)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 from robocon_course.view.dashboard.inbox import Inbox
 from robocon_course.view.dashboard.markup import escaped, head, minutes, number, stamp
@@ -61,22 +62,27 @@ def status_bar(inbox: Inbox, manual: bool, failures: Mapping[str, Exception]) ->
     str
         HTML.
     """
-    link = connection(inbox)
-    tone = "rc-good" if link == "connected" else "rc-bad"
-    parts = [
-        f'<span class="{tone}">{"●" if link == "connected" else "○"} {link}</span>',
-        f"<span>{'driven by hand' if manual else 'drives itself'}, "
-        f"{'match running' if inbox.running else 'not started'}</span>",
-        *_battery(inbox),
-        *_counts(inbox),
-        *(
-            f'<span class="rc-bad">{escaped(f"{pane}: {type(error).__name__}: {error}"[:LONGEST])}'
-            "</span>"
-            for pane, error in failures.items()
-        ),
-        _score(inbox),
-    ]
+    parts, failures = [], dict(failures)
+    for make in (_link, partial(_mode, manual=manual), _battery, _counts, _score):
+        try:
+            parts += make(inbox)
+        except Exception as error:  # the bar tells what fails elsewhere: it must not fail itself
+            failures["status"] = error
+    for pane, error in failures.items():
+        words = f"{pane}: {type(error).__name__}: {error}"[:LONGEST]
+        parts.append(f'<span class="rc-bad">{escaped(words)}</span>')
     return f'<div class="rc-bar" role="status">{"".join(parts)}</div>'
+
+
+def _link(inbox: Inbox) -> list[str]:
+    link = connection(inbox)
+    tone, mark = ("rc-good", "●") if link == "connected" else ("rc-bad", "○")
+    return [f'<span class="{tone}">{mark} {link}</span>']
+
+
+def _mode(inbox: Inbox, manual: bool) -> list[str]:
+    who = "manual" if manual else "automatic"
+    return [f"<span>{who}, {'running' if inbox.running else 'stopped'}</span>"]
 
 
 def _battery(inbox: Inbox) -> list[str]:
@@ -98,12 +104,12 @@ def _counts(inbox: Inbox) -> list[str]:
     return found
 
 
-def _score(inbox: Inbox) -> str:
+def _score(inbox: Inbox) -> list[str]:
     told = inbox.latest.get("/score")
     if told is None:
-        return '<span class="rc-clock">--:--</span>'
+        return ['<span class="rc-clock">--:--</span>']
     ended = {"own": "won", "theirs": "lost", "nobody": "drawn"}.get(told.winner, told.winner)
     end = f" {escaped(ended)}" if ended else ""
     why = f' title="{escaped(told.reason)}"' if told.reason else ""
     score = f"{number(told.own, 0)} : {number(told.theirs, 0)}"
-    return f'<span class="rc-clock"{why}>{score}{end} &nbsp; {minutes(told.left)}</span>'
+    return [f'<span class="rc-clock"{why}>{score}{end} &nbsp; {minutes(told.left)}</span>']

@@ -14,21 +14,23 @@ PLANNED = "#882255"
 QUIET, LINE = "#5F6B76", "#D5DAE0"
 BALLS = {"R": "#E0334A", "B": "#2D6CDF", "P": "#A64FB0"}
 """Fill of a ball by the first letter of its colour, which is written on it too."""
-SLOTS = 0.05
-"""Time steps that are told apart in a text [s]."""
-
 STYLE = f"""<style>
 .robocon-dash {{ background: #fff; color: {TRUTH}; padding: 4px; box-sizing: border-box;
   --jp-widgets-label-color: {TRUTH}; --jp-widgets-readout-color: {TRUTH};
-  --jp-ui-font-color1: {TRUTH}; --jp-ui-font-color0: {TRUTH};
+  --jp-widgets-color: {TRUTH}; --jp-content-font-color1: {TRUTH};
+  --jp-ui-font-color0: {TRUTH}; --jp-ui-font-color1: {TRUTH};
+  --jp-ui-font-color2: {QUIET}; --jp-ui-font-color3: {QUIET};
+  --jp-border-color1: #B4BCC4; --jp-border-color2: {LINE}; --jp-border-color3: {LINE};
   --jp-layout-color0: #fff; --jp-layout-color1: #fff; --jp-layout-color2: #EDF0F3;
-  --jp-widgets-input-color: {TRUTH}; --jp-widgets-input-background-color: #fff; }}
-.robocon-dash .widget-html, .robocon-dash .widget-html-content {{ line-height: 1.3;
-  font-size: 12px; min-width: 0; }}
+  --jp-layout-color3: #C3CAD1; --jp-layout-color4: #9AA4AE;
+  --jp-widgets-input-color: {TRUTH}; --jp-widgets-input-background-color: #fff;
+  --jp-widgets-input-border-color: #B4BCC4; }}
+.robocon-dash .widget-html, .robocon-dash .widget-html > .widget-html-content {{
+  line-height: 1.3; font-size: 12px; min-width: 0; color: {TRUTH}; }}
 .robocon-dash .widget-html > .widget-html-content {{ width: 100%; }}
 .robocon-dash .rc-bar {{ display: flex; flex-wrap: wrap; gap: 2px 18px; align-items: baseline;
   padding: 5px 8px; background: #EEF1F4; border-radius: 4px; font-size: 13px; }}
-.robocon-dash .rc-clock {{ margin-left: auto; font-size: 15px; font-weight: bold; }}
+.robocon-dash .rc-clock {{ order: 1; margin-left: auto; font-size: 15px; font-weight: bold; }}
 .robocon-dash .rc-bad {{ color: #A84300; font-weight: bold; }}
 .robocon-dash .rc-good {{ color: #00704F; font-weight: bold; }}
 .robocon-dash .rc-head {{ font-weight: bold; font-size: 12px; color: {QUIET};
@@ -36,16 +38,22 @@ STYLE = f"""<style>
 .robocon-dash table.rc {{ width: 100%; border-collapse: collapse; table-layout: fixed; }}
 .robocon-dash table.rc td, .robocon-dash table.rc th {{ padding: 1px 4px; text-align: right;
   font-variant-numeric: tabular-nums; font-weight: normal; border: none; background: none;
-  white-space: nowrap; font-size: 12px; }}
-.robocon-dash table.rc th {{ text-align: left; color: {QUIET}; }}
-.robocon-dash table.rc thead th {{ text-align: right; }}
+  white-space: nowrap; font-size: 12px; color: {TRUTH}; }}
+.robocon-dash table.rc th {{ color: {QUIET}; }}
+.robocon-dash table.rc th:first-child {{ text-align: left; padding-left: 0; }}
 .robocon-dash table.rc tr, .robocon-dash table.rc tr:nth-child(even) {{ background: none; }}
-.robocon-dash .rc-log {{ height: 148px; overflow-y: auto; overflow-wrap: anywhere; }}
+.robocon-dash table.rc svg {{ vertical-align: middle; }}
+.robocon-dash .rc-log {{ height: 146px; overflow-y: auto; overflow-wrap: anywhere; }}
 .robocon-dash .rc-log div {{ padding: 1px 0; }}
 .robocon-dash .rc-log time {{ color: {QUIET}; font-variant-numeric: tabular-nums; }}
 .robocon-dash svg text {{ font-family: var(--jp-ui-font-family, sans-serif); }}
 .robocon-dash .widget-slider, .robocon-dash .widget-text {{ width: auto; }}
+.robocon-dash .widget-readout {{ min-width: 3.2em; }}
 .robocon-dash .jupyter-button {{ padding: 0 6px; min-width: 0; }}
+.robocon-dash .widget-toggle-buttons {{ display: flex; flex-flow: row nowrap;
+  align-items: center; overflow: hidden; }}
+.robocon-dash .widget-toggle-buttons > .widget-label {{ width: auto; min-width: 0;
+  padding-right: 6px; margin: 0; }}
 </style>"""
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from robocon_course.robot import LIDARS, MAX_SPEED, SATURATED, WEAKEST
 from robocon_course.view.dashboard.inbox import Inbox
-from robocon_course.view.dashboard.markup import MINE, QUIET, TRUTH, escaped, head, number
+from robocon_course.view.dashboard.markup import LINE, MINE, QUIET, TRUTH, escaped, head, number
 
 MODULES = ("front left", "rear left", "rear right", "front right")
 WHEELS = ("left", "right", "rear", "")
@@ -67,8 +67,8 @@ def _rows(seen: Any, speeds: list[float]) -> Iterable[str]:
 
 
 def _heads(label: str, names: Iterable[str]) -> str:
-    cells = "".join(f'<th style="text-align:right">{escaped(name)}</th>' for name in names)
-    return f'<tr style="border-top:1px solid #E6E9ED"><th><b>{label}</b></th>{cells}</tr>'
+    cells = "".join(f"<th>{escaped(name)}</th>" for name in names)
+    return f'<tr style="border-top:1px solid {LINE}"><th><b>{label}</b></th>{cells}</tr>'
 
 
 def _row(label: str, cells: Iterable[str]) -> str:

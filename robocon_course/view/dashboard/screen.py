@@ -23,6 +23,8 @@ from robocon_course.view.widgets import has_sliders
 
 FASTEST, SLOWEST = 0.05, 1.0
 """Ends of the time between two pictures [s]."""
+READ = ("sensors", "mission", "state", "events")
+"""Panes of the last column."""
 _shown: WeakKeyDictionary[Bus, ref[Dashboard]] = WeakKeyDictionary()
 
 
@@ -90,8 +92,8 @@ class Dashboard:
     controls : Controls
         What can be touched.
     panes : dict of HTML widgets
-        ``"status"``, ``"map"``, ``"where"``, ``"camera"``, ``"sensors"``, ``"mission"`` and
-        ``"events"``.
+        ``"status"``, ``"map"``, ``"where"``, ``"camera"``, ``"sensors"``, ``"mission"``,
+        ``"state"`` and ``"events"``.
     failures : dict
         Pane and exception of what could not be drawn the last time.
     widget : VBox
@@ -126,6 +128,7 @@ class Dashboard:
             "camera": Sight().draw,
             "sensors": readings,
             "mission": diagram.draw,
+            "state": diagram.words,
             "events": journal,
         }
         self.panes = {name: w.HTML() for name in ("status", *self._painters)}
@@ -191,9 +194,9 @@ class Dashboard:
             layer.layout = w.Layout(grid_area="1 / 1 / 2 / 2", margin="0", width="100%")
         field = w.GridBox([ground, panes["map"]], layout=w.Layout(width="100%"))
         columns = [
-            _column("1 1 270px", "345px", field, panes["where"]),
+            _column("4 1 270px", "365px", field, panes["where"]),
             _column("1 1 300px", "400px", panes["camera"], w.HTML(head("Controls")), self.controls),
-            _column("2 1 340px", "none", panes["sensors"], panes["mission"], panes["events"]),
+            _column("1 1 340px", "none", *(panes[name] for name in READ)),
         ]
         row = w.HBox(columns, layout=w.Layout(flex_flow="row wrap", width="100%", grid_gap="12px"))
         screen = w.VBox([w.HTML(STYLE), panes["status"], row])

@@ -24,7 +24,6 @@ class Sight:
 
     def __init__(self) -> None:
         self._drawn: tuple[tuple[int, ...], str] = ((), "")
-        self._found: dict[str, Any] = {}
         self._keep: tuple[Any, ...] = ()
 
     def draw(self, inbox: Inbox) -> str:
@@ -38,12 +37,8 @@ class Sight:
         -------
         str
         """
-        image, found = inbox.latest.get("/camera/image"), inbox.latest.get("/camera/detections")
-        if found is not None:
-            self._found[str(found.kind)] = found
-        shown = tuple(
-            one for one in self._found.values() if image is None or _together(image.time, one.time)
-        )
+        image, found = inbox.latest.get("/camera/image"), list(inbox.found.values())
+        shown = tuple(one for one in found if image is None or _together(image.time, one.time))
         # What is drawn is kept too: its place in memory names it as long as it lives.
         keep = (image, *shown)
         name = tuple(map(id, keep))
@@ -59,7 +54,7 @@ def _together(one: float, other: float) -> bool:
 def _page(image: Any, found: tuple[Any, ...]) -> str:
     words = "; ".join(map(_words, found)) or "nothing was looked for"
     if image is None and not found:
-        blank = f"background:#E9ECEF;color:{QUIET};height:120px;text-align:center;line-height:120px"
+        blank = f"background:#E9ECEF;color:{QUIET};height:240px;text-align:center;line-height:240px"
         return head("Camera") + f'<div style="{blank}">no picture yet</div>'
     if image is None:
         camera = Camera()
@@ -68,7 +63,7 @@ def _page(image: Any, found: tuple[Any, ...]) -> str:
     else:
         pixels = np.asarray(image.image_bgr)
     source = data_uri(photograph(pixels, found), "jpeg")
-    frame = "display:block;width:100%;max-height:240px;object-fit:contain;background:#222"
+    frame = "display:block;width:100%;height:240px;object-fit:contain;background:#222"
     alt = f"Camera: {escaped(words)}"
     return head("Camera") + f'<img style="{frame}" alt="{alt}" src="{source}"><div>{words}</div>'
 

@@ -27,6 +27,8 @@ from robocon_course.view.dashboard.markup import (
 Ways = tuple[tuple[str, str, str], ...]
 COLUMNS, CELL, BOX = 4, (96, 42), (84, 28)
 """Boxes in a row; room for one and its size [pixel]."""
+ROOM = 6
+"""Above and below, for the arrows along the outer rows [pixel]."""
 COMMON = 0.4
 """A state that this share of the others leads to is left out of the pale ways."""
 RECENT = 6
@@ -94,7 +96,7 @@ class Diagram:
         }
 
     def draw(self, inbox: Inbox) -> str:
-        """The picture and, in words, why the mission is where it is.
+        """The picture: it changes with the state alone, so that words over its arrows can be read.
 
         Parameters
         ----------
@@ -105,34 +107,44 @@ class Diagram:
         str
             HTML.
         """
-        steps = list(inbox.states)
-        live = str(steps[-1].name) if steps else ""
-        before = str(steps[-2].name) if len(steps) > 1 else ""
-        picture = self._picture(live, before) if self.places else ""
-        return head("Mission") + picture + self._words(steps, inbox.now())
+        names = [str(one.name) for one in list(inbox.states)[-2:]]
+        live, before = names[-1] if names else "", names[0] if len(names) > 1 else ""
+        return head("Mission") + (self._picture(live, before) if self.places else "")
 
-    def _words(self, steps: list, now: float) -> str:
-        if not steps:
-            return "<div>no state yet</div>"
-        last = steps[-1]
-        name, why = escaped(last.name), escaped(last.reason)
-        since = f" for {number(max(0.0, now - last.time), 1)} s" if now >= last.time else ""
-        came = f"from {escaped(steps[-2].name)}: " if len(steps) > 1 else ""
-        lines = [f'<div><b class="rc-state">{name}</b>{since}</div>']
-        lines.append(f"<div>{came}{why or 'no reason given'}</div>")
-        if self.places and str(last.name) not in self.places:
-            lines.append('<div class="rc-bad">This state is not in the picture.</div>')
+    def words(self, inbox: Inbox) -> str:
+        """Where the mission is, for how long, and why; without a picture, where it was before.
+
+        Parameters
+        ----------
+        inbox : Inbox
+
+        Returns
+        -------
+        str
+            HTML.
+        """
+        *earlier, last = [*inbox.states] or [None]
+        if last is None:
+            return "no state yet"
+        waited = inbox.now() - last.time
+        since = f" for {number(waited, 0)} s" if waited >= 0.0 else ""
+        came = f"from {escaped(earlier[-1].name)}: " if earlier else ""
+        lines = [
+            f'<b class="rc-state">{escaped(last.name)}</b>{since}',
+            came + (escaped(last.reason) or "no reason given"),
+        ]
         if not self.places:
             lines += [
-                f'<div style="color:{QUIET}">{stamp(one.time)} {escaped(one.name)}: '
-                f"{escaped(one.reason)}</div>"
-                for one in reversed(steps[-RECENT - 1 : -1])
+                f"{stamp(one.time)} {escaped(one.name)}: {escaped(one.reason)}"
+                for one in reversed(earlier[-RECENT:])
             ]
-        return "".join(lines)
+        elif str(last.name) not in self.places:
+            lines.append('<span class="rc-bad">This state is not in the picture.</span>')
+        return "".join(f"<div>{line}</div>" for line in lines)
 
     def _picture(self, live: str, before: str) -> str:
         rows = -(-len(self.places) // COLUMNS)
-        width, height = CELL[0] * COLUMNS, CELL[1] * rows
+        width, height = CELL[0] * COLUMNS, CELL[1] * rows + 2 * ROOM
         lines = [self._arrow(*way, LINE, 1.0) for way in sorted(self.pale) if way[0] != live]
         lines += [
             self._arrow(source, target, TRUTH, 1.2, label)
@@ -144,7 +156,7 @@ class Diagram:
         boxes = [self._box(name, name == live) for name in self.places]
         label = f"States of the mission; now {escaped(live) or 'none'}"
         return (
-            f'<svg viewBox="0 0 {width} {height}" style="display:block;width:100%;'
+            f'<svg viewBox="0 {-ROOM} {width} {height}" style="display:block;width:100%;'
             f'max-height:{height}px" role="img" aria-label="{label}">'
             f"{''.join(lines)}{''.join(boxes)}</svg>"
         )
@@ -153,11 +165,10 @@ class Diagram:
         x, y = self.places[name]
         (wide, high), fill = BOX, MINE if live else "#fff"
         words, ink = _wrapped(name), "#fff" if live else TRUTH
-        first = y + 3.4 - 4.8 * (len(words) - 1)
+        weight, first = "bold" if live else "normal", y + 3.4 - 4.8 * (len(words) - 1)
         text = "".join(
             f'<text x="{x:g}" y="{first + 9.6 * k:g}" text-anchor="middle" font-size="9.5" '
-            f'fill="{ink}"{" font-weight=" + chr(34) + "bold" + chr(34) if live else ""}>'
-            f"{escaped(word)}</text>"
+            f'font-weight="{weight}" fill="{ink}">{escaped(word)}</text>'
             for k, word in enumerate(words)
         )
         mark = ' class="rc-live"' if live else ""
