@@ -171,7 +171,7 @@ def _silos(silos: Any) -> Iterable[str]:
 
 def _placed(pose: FloatArray) -> str:
     x, y, theta = pose
-    return f"translate({100 * x:.1f} {-100 * y:.1f}) rotate({-degrees(theta):.1f})"
+    return f"translate({100 * x:.1f} {-100 * y:.1f}) rotate({0.0 - degrees(theta):.1f})"
 
 
 def _truth(told: Any) -> Iterable[str]:
