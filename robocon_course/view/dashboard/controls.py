@@ -13,7 +13,7 @@ from typing import Any
 
 import ipywidgets as w
 
-from robocon_course.robot import Bus, messages
+from robocon_course.robot import messages
 from robocon_course.view.dashboard.inbox import Inbox
 from robocon_course.view.stick import LIMITS, NAMES, pushed
 from robocon_course.vision.camera import SERVO_RANGE
@@ -42,8 +42,8 @@ class Controls:
 
     Parameters
     ----------
-    bus : Bus
     inbox : Inbox
+        What was heard; what is told goes through it.
     clock : callable
         Wall time [s].
 
@@ -63,8 +63,8 @@ class Controls:
         All of it.
     """
 
-    def __init__(self, bus: Bus, inbox: Inbox, clock: Callable[[], float]) -> None:
-        self._bus, self._inbox, self._clock = bus, inbox, clock
+    def __init__(self, inbox: Inbox, clock: Callable[[], float]) -> None:
+        self._inbox, self._clock = inbox, clock
         self._touched = clock()
         self._held: float | None = None
         self._quiet = False
@@ -156,7 +156,7 @@ class Controls:
     # --- telling ------------------------------------------------------------------------------
 
     def _tell(self, name: str, value: str | float = "") -> None:
-        self._bus.publish("/operator", messages.Button(name, value))
+        self._inbox.tell("/operator", messages.Button(name, value))
 
     def _pressed_start(self, _: Any) -> None:
         """What is chosen is told first: whoever listens may have come later than the choice."""
@@ -174,7 +174,7 @@ class Controls:
         self._push((0.0, 0.0, 0.0))
         self._tell("manual", "on" if change["new"] else "off")
         if not change["new"]:
-            self._bus.publish("/cmd_vel", messages.Twist(0.0, 0.0, 0.0))
+            self._inbox.tell("/cmd_vel", messages.Twist(0.0, 0.0, 0.0))
         self.refresh()
 
     def _aimed(self, name: str, angle: int) -> None:
@@ -193,7 +193,7 @@ class Controls:
 
     def _steer(self) -> None:
         speeds = (float(slider.value) for slider in self.sliders)
-        self._bus.publish("/cmd_vel", messages.Twist(*speeds))
+        self._inbox.tell("/cmd_vel", messages.Twist(*speeds))
 
     def _moved(self, _: Any) -> None:
         self._touched = self._clock()

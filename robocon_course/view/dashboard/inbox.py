@@ -102,13 +102,23 @@ class Inbox:
         for topic, message in list(bus.latest.items()):
             if topic not in OWN:
                 self._take(topic, message)
+        self._bus = bus
+        self._said: Any = None
         self._stop = bus.subscribe("*", self.hear)
 
     def hear(self, topic: str, message: Any) -> None:
         """Store a message; one that cannot be understood becomes a line of the log."""
+        if message is self._said:
+            return
         if topic not in OWN:
             self._heard = self._clock()
         self._take(topic, message)
+
+    def tell(self, topic: str, message: Any) -> None:
+        """Store a message and tell it: what it causes comes after it in the log."""
+        self._take(topic, message)
+        self._said = message
+        self._bus.publish(topic, message)
 
     def silence(self) -> float | None:
         """How long no robot has spoken [s, wall]; None if none ever did."""

@@ -42,8 +42,12 @@ STYLE = f"""<style>
 .robocon-dash table.rc th {{ color: {QUIET}; }}
 .robocon-dash table.rc th:first-child {{ text-align: left; padding-left: 0; }}
 .robocon-dash table.rc tr, .robocon-dash table.rc tr:nth-child(even) {{ background: none; }}
+.robocon-dash table.rc tr.rc-top:not(:first-child) {{ border-top: 1px solid {LINE}; }}
 .robocon-dash table.rc svg {{ vertical-align: middle; }}
-.robocon-dash .rc-log {{ height: 146px; overflow-y: auto; overflow-wrap: anywhere; }}
+.robocon-dash .rc-events > .widget-html-content {{ display: flex; flex-direction: column;
+  height: 100%; }}
+.robocon-dash .rc-log {{ flex: 1 1 0; min-height: 84px; overflow-y: auto;
+  overflow-wrap: anywhere; }}
 .robocon-dash .rc-log div {{ padding: 1px 0; }}
 .robocon-dash .rc-log time {{ color: {QUIET}; font-variant-numeric: tabular-nums; }}
 .robocon-dash svg text {{ font-family: var(--jp-ui-font-family, sans-serif); }}

@@ -10,10 +10,10 @@ import numpy as np
 
 from robocon_course.robot import LIDARS, MAX_SPEED, SATURATED, WEAKEST
 from robocon_course.view.dashboard.inbox import Inbox
-from robocon_course.view.dashboard.markup import LINE, MINE, QUIET, TRUTH, escaped, head, number
+from robocon_course.view.dashboard.markup import MINE, QUIET, TRUTH, escaped, head, number
 
 MODULES = ("front left", "rear left", "rear right", "front right")
-WHEELS = ("left", "right", "rear", "")
+COUNTERS = ("left", "right", "rear", "gripper")
 STILL = 0.02
 """Slower wheels show no arrow [m/s]."""
 
@@ -33,13 +33,8 @@ def readings(inbox: Inbox) -> str:
     seen = inbox.latest.get("/observation")
     if seen is None:
         return head("Sensors") + "no reading yet"
-    ball = "a ball is held" if seen.holding else "empty"
-    return (
-        head("Sensors")
-        + '<table class="rc">'
-        + "".join(_rows(seen, rates(list(inbox.ticks))))
-        + f"</table><div>gripper: {ball}</div>"
-    )
+    rows = "".join(_rows(seen, rates(list(inbox.ticks))))
+    return f'{head("Sensors")}<table class="rc">{rows}</table>'
 
 
 def rates(ticks: list[tuple[float, Any]]) -> list[float]:
@@ -51,8 +46,9 @@ def rates(ticks: list[tuple[float, Any]]) -> list[float]:
 
 
 def _rows(seen: Any, speeds: list[float]) -> Iterable[str]:
-    yield _heads("encoder", WHEELS)
-    yield _row("ticks", [number(count, 0) for count in seen.ticks])
+    yield _heads("encoder", COUNTERS)
+    ball = "holds a ball" if seen.holding else "empty"
+    yield _row("ticks", [*(number(count, 0) for count in seen.ticks), ball])
     yield _row("ticks/s", [number(speed, 0) for speed in speeds])
     yield _heads("LiDAR", [mount.name for mount in LIDARS])
     yield _row("distance [m]", [_distance(reading) for reading in seen.lidar])
@@ -68,7 +64,7 @@ def _rows(seen: Any, speeds: list[float]) -> Iterable[str]:
 
 def _heads(label: str, names: Iterable[str]) -> str:
     cells = "".join(f"<th>{escaped(name)}</th>" for name in names)
-    return f'<tr style="border-top:1px solid {LINE}"><th><b>{label}</b></th>{cells}</tr>'
+    return f'<tr class="rc-top"><th><b>{label}</b></th>{cells}</tr>'
 
 
 def _row(label: str, cells: Iterable[str]) -> str:

@@ -118,7 +118,7 @@ class Dashboard:
         diagram = Diagram(ways_of(states))
         self.refresh = float(refresh)
         self.inbox = Inbox(bus, clock)
-        self.controls = Controls(bus, self.inbox, clock)
+        self.controls = Controls(self.inbox, clock)
         self.failures: dict[str, Exception] = {}
         self.closed = False
         self._task: asyncio.Task | None = None
@@ -192,9 +192,11 @@ class Dashboard:
         ground = w.HTML(field_map.floor())
         for layer in (ground, panes["map"]):
             layer.layout = w.Layout(grid_area="1 / 1 / 2 / 2", margin="0", width="100%")
-        field = w.GridBox([ground, panes["map"]], layout=w.Layout(width="100%"))
+        field = w.GridBox([ground, panes["map"]], layout=w.Layout(width="auto", margin="0 2px"))
+        panes["events"].layout = w.Layout(flex="1 1 0", min_height="108px", overflow="hidden")
+        panes["events"].add_class("rc-events")
         columns = [
-            _column("4 1 270px", "365px", field, panes["where"]),
+            _column("4 1 270px", "335px", field, panes["where"]),
             _column("1 1 300px", "400px", panes["camera"], w.HTML(head("Controls")), self.controls),
             _column("1 1 340px", "none", *(panes[name] for name in READ)),
         ]

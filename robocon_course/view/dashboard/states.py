@@ -25,9 +25,9 @@ from robocon_course.view.dashboard.markup import (
 )
 
 Ways = tuple[tuple[str, str, str], ...]
-COLUMNS, CELL, BOX = 4, (96, 42), (84, 28)
+COLUMNS, CELL, BOX = 4, (96, 40), (80, 27)
 """Boxes in a row; room for one and its size [pixel]."""
-ROOM = 6
+ROOM = 9
 """Above and below, for the arrows along the outer rows [pixel]."""
 COMMON = 0.4
 """A state that this share of the others leads to is left out of the pale ways."""
@@ -215,7 +215,7 @@ def _edge(centre: tuple[float, float], towards: tuple[float, float]) -> tuple[fl
 def _wrapped(name: str) -> list[str]:
     """A name in one or two lines that fit its box."""
     words = name.replace("_", " ").split() or [name]
-    if len(" ".join(words)) <= 15 or len(words) == 1:
+    if len(" ".join(words)) <= 14 or len(words) == 1:
         return [_cut(" ".join(words))]
     k = min(
         range(1, len(words)), key=lambda k: max(len(" ".join(words[:k])), len(" ".join(words[k:])))
@@ -224,4 +224,4 @@ def _wrapped(name: str) -> list[str]:
 
 
 def _cut(text: str) -> str:
-    return text if len(text) <= 17 else text[:16] + "…"
+    return text if len(text) <= 16 else text[:15] + "…"
