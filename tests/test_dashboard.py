@@ -698,11 +698,17 @@ def test_a_closed_screen_stands_still_listens_no_more_and_draws_no_more(match):
     assert match.screen.widget.comm is None
 
 
-def test_the_next_screen_on_a_bus_closes_the_one_before():
+def test_the_next_screen_on_a_bus_closes_the_one_before_and_goes_on_with_it():
     bus = Bus()
-    first, second = dashboard(bus), dashboard(bus)
-    assert first.closed and not second.closed
-    assert len(bus._listeners["*"]) == 1
+    first = dashboard(bus)
+    bus.publish("/odom", messages.PoseStamped(3.0, np.array([1.0, 2.0, 0.0])))
+    bus.publish("/rosout", messages.Log(3.0, "warning", "look out"))
+    first.controls.start.click()
+    second = dashboard(bus)
+    assert first.closed and not second.closed and len(bus._listeners["*"]) == 1
+    assert "look out" in second.panes["events"].value
+    assert "1 warning<" in second.panes["status"].value
+    assert second.controls.start.disabled, "the match runs on"
     second.close()
 
 

@@ -137,6 +137,12 @@ class Inbox:
         """Write a line of the screen's own into the log."""
         self._enter(Entry(self._now, level, text))
 
+    def inherit(self, other: Inbox) -> None:
+        """Go on where another screen on this bus ends: its log, its path, whether a match runs."""
+        self.entries, self.states = other.entries.copy(), other.states.copy()
+        self.trail, self.counts = other.trail.copy(), dict(other.counts)
+        self.running, self.reached, self._now = other.running, other.reached, other.now()
+
     def close(self) -> None:
         """Listen no longer."""
         self._stop()

@@ -71,7 +71,7 @@ def status_bar(inbox: Inbox, manual: bool, failures: Mapping[str, Exception]) ->
     for pane, error in failures.items():
         words = f"{pane}: {type(error).__name__}: {error}"[:LONGEST]
         parts.append(f'<span class="rc-bad">{escaped(words)}</span>')
-    return f'<div class="rc-bar" role="status">{"".join(parts)}</div>'
+    return f'<div class="rc-bar" role="group" aria-label="Status">{"".join(parts)}</div>'
 
 
 def _link(inbox: Inbox) -> list[str]:

@@ -40,7 +40,8 @@ def dashboard(
     It listens to every topic and tells ``/operator`` and ``/cmd_vel``; so it does not matter who
     drives the robot there. It is drawn by a task in the kernel's own loop: whoever publishes from
     the same notebook has to leave the loop free between two steps (``await asyncio.sleep``). A
-    bus has one screen: where a cell is run again, the screen before is closed.
+    bus has one screen: where a cell is run again, the screen before is closed, and the new one goes
+    on with its log and its path.
 
     Parameters
     ----------
@@ -67,6 +68,7 @@ def dashboard(
     before = _shown[bus]() if bus in _shown else None
     if before is not None:
         before.close()
+        screen.inbox.inherit(before.inbox)
     _shown[bus] = ref(screen)
     screen.draw()
     if has_sliders():
