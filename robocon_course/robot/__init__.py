@@ -8,6 +8,10 @@
 ``codec``          one JSON form of Observation and Command, to the bit
 ``forms``          the same as JSON Schema
 ``camera_frames``  the camera's part of it
+``link``           a datagram of the link to hardware, and which ones are new
+``udp``            `UdpRobot` drives a robot over the network
+``udp_server``     `RobotServer`, the robot's side of it
+``udp_end``        what both ends do
 ``text``           JSON text, and the fields of what came from elsewhere
 =================  ==========================================================
 """
