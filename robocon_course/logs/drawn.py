@@ -124,7 +124,7 @@ def write_path(topic: str, message: messages.Path) -> list[Piece]:
 
 
 def read_path(trees: Sequence[Tree]) -> messages.Path:
-    """The way."""
+    """The way, without the headings."""
     places = [field(pose, "position", dict) for pose in things(trees[0], "poses")]
     xy = [(number(place, "x"), number(place, "y")) for place in places]
     return messages.Path(_time(trees[0]), np.array(xy, float).reshape(-1, 2))
@@ -268,7 +268,7 @@ def write_log(topic: str, message: messages.Log) -> list[Piece]:
 
 
 def read_log_line(trees: Sequence[Tree]) -> messages.Log:
-    """The line."""
+    """The line for the operator."""
     level = field(trees[0], "level", int)
     names = dict(enumerate(foxglove.LEVELS))
     return messages.Log(

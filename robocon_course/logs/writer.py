@@ -11,7 +11,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any, Self
 
-from robocon_course import __version__
+import robocon_course
 from robocon_course._arrays import CourseError
 from robocon_course.logs.drawn import Piece, nanoseconds
 from robocon_course.logs.kinds import KINDS
@@ -92,7 +92,7 @@ class MatchLog:
         except OSError as error:
             raise LogError(f"{self.part} cannot be written: {error.strerror}") from None
         self._writer = Writer(self._file, CHUNK, compression=CompressionType.ZSTD)
-        self._writer.start(PROFILE, f"robocon-course {__version__}")
+        self._writer.start(PROFILE, f"robocon-course {robocon_course.__version__}")
         self._file.flush()
 
     def __enter__(self) -> Self:

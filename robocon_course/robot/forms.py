@@ -25,7 +25,7 @@ def whole(text: str) -> Form:
 
 
 def words(text: str) -> Form:
-    """A text."""
+    """A text of any length."""
     return {"type": "string", "description": text}
 
 
@@ -40,13 +40,33 @@ def picture(text: str) -> Form:
 
 
 def many(items: Form, text: str, count: int | None = None) -> Form:
-    """An array; `count` fixes its length."""
+    """An array of entries of one kind.
+
+    Parameters
+    ----------
+    items : dict
+        Schema of each of its entries, which is no array.
+    text : str
+        What it holds.
+    count : int, optional
+        Its length, where that is fixed.
+    """
     form = {"type": "array", "items": items, "description": text}
     return form if count is None else form | {"minItems": count, "maxItems": count}
 
 
 def thing(text: str, fields: dict[str, Form], optional: tuple[str, ...] = ()) -> Form:
-    """An object. All fields are required but the numbers, which may be NaN, and the `optional`."""
+    """An object. All fields are required but the numbers, which may be NaN, and the `optional`.
+
+    Parameters
+    ----------
+    text : str
+        What it is.
+    fields : dict
+        Schemas by name.
+    optional : tuple of str
+        Names of other fields that may be missing.
+    """
     required = [
         name for name, form in fields.items() if form["type"] != "number" and name not in optional
     ]
@@ -55,7 +75,15 @@ def thing(text: str, fields: dict[str, Form], optional: tuple[str, ...] = ()) ->
 
 
 def own(name: str, text: str, fields: dict[str, Form], optional: tuple[str, ...] = ()) -> Form:
-    """The schema of a message of the course's own."""
+    """The schema of a message of the course's own.
+
+    Parameters
+    ----------
+    name : str
+        Its title will be ``robocon.<name>``.
+    text, fields, optional
+        As for `thing`.
+    """
     head = {"$schema": DIALECT, "$id": f"urn:robocon-course:{name}:1", "title": f"robocon.{name}"}
     return head | thing(text, fields, optional)
 

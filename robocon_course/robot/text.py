@@ -94,7 +94,24 @@ def _no_constant(name: str) -> None:
 
 
 def number(tree: Tree, name: str) -> float:
-    """A number of an object; NaN where it is missing."""
+    """A number of an object.
+
+    Parameters
+    ----------
+    tree : dict
+    name : str
+        Of the field.
+
+    Returns
+    -------
+    float
+        NaN where it is missing.
+
+    Raises
+    ------
+    ValueError
+        The field is no number.
+    """
     value = tree.get(name, nan)
     if type(value) is float:
         return value
@@ -107,7 +124,21 @@ def number(tree: Tree, name: str) -> float:
 
 
 def field(tree: Tree, name: str, kind: type) -> Any:
-    """A field that must be there, of one type: ``int``, ``bool``, ``str``, ``list`` or ``dict``."""
+    """A field that must be there.
+
+    Parameters
+    ----------
+    tree : dict
+    name : str
+        Of the field.
+    kind : type
+        ``int``, ``bool``, ``str``, ``list`` or ``dict``; a bool is no int.
+
+    Raises
+    ------
+    ValueError
+        It is missing, or of another type.
+    """
     value = tree.get(name)
     if type(value) is not kind:
         raise ValueError(f"{name}: expected {kind.__name__}, got {value!r:.40}")
@@ -115,7 +146,21 @@ def field(tree: Tree, name: str, kind: type) -> Any:
 
 
 def things(tree: Tree, name: str, count: int | None = None) -> list[Tree]:
-    """A list of objects that must be there; with `count`, exactly as many."""
+    """A list of objects that must be there.
+
+    Parameters
+    ----------
+    tree : dict
+    name : str
+        Of the field.
+    count : int, optional
+        How many there must be.
+
+    Raises
+    ------
+    ValueError
+        It is missing, no list of objects, or holds another number of them.
+    """
     items = field(tree, name, list)
     if count is not None and len(items) != count:
         raise ValueError(f"{name}: expected {count}, got {len(items)}")
@@ -126,6 +171,23 @@ def things(tree: Tree, name: str, count: int | None = None) -> list[Tree]:
 
 
 def rows(items: list[Tree], *names: str) -> NDArray[np.float64]:
-    """Numbers of a list of objects, shape (objects, names); NaN where one is missing."""
+    """Numbers of a list of objects.
+
+    Parameters
+    ----------
+    items : list of dict
+    *names : str
+        Of the fields.
+
+    Returns
+    -------
+    ndarray, shape (objects, names)
+        NaN where one is missing.
+
+    Raises
+    ------
+    ValueError
+        A field is no number.
+    """
     values = [[number(item, name) for name in names] for item in items]
     return np.array(values, float).reshape(len(items), len(names))

@@ -98,7 +98,7 @@ class RobotServer(End):
             self._halt()
 
     def stop(self) -> None:
-        """End `run`."""
+        """End `run` after its round."""
         self._running = False
 
     def turn(self) -> None:
