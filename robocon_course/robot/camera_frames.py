@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocon_course.robot.hardware import Frame
-from robocon_course.robot.text import Tree, field, number, rows, things
+from robocon_course.robot.text import Tree, field, number, rows, things, wholes
 
 LARGEST_PICTURE = 16_000_000
 """A picture with more is not unpacked [pixels]."""
@@ -90,11 +90,10 @@ def decode_frame(tree: Tree) -> Frame:
 def _detections(items: list[Tree]) -> Any:
     from robocon_course.vision.reading import Detections
 
-    boxes = rows(items, "left", "top", "right", "bottom", "score").astype(np.float32)
-    ids = [field(item, "class_id", int) for item in items]
-    if not all(abs(number) < 2**63 for number in ids):
-        raise ValueError("class_id: too large")
-    return Detections(boxes[:, :4].copy(), boxes[:, 4].copy(), np.array(ids, np.int64))
+    with np.errstate(over="ignore"):
+        boxes = rows(items, "left", "top", "right", "bottom", "score").astype(np.float32)
+    ids = wholes([item.get("class_id") for item in items], "class_id")
+    return Detections(boxes[:, :4].copy(), boxes[:, 4].copy(), ids)
 
 
 def encode_picture(image_bgr: NDArray[np.uint8], quality: int | None = None) -> str:

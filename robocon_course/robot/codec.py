@@ -15,7 +15,7 @@ import numpy as np
 from robocon_course._arrays import as_floats
 from robocon_course.robot.camera_frames import decode_frame, encode_frame
 from robocon_course.robot.hardware import Command, LidarReading, Observation
-from robocon_course.robot.text import Tree, field, number, rows, things
+from robocon_course.robot.text import Tree, field, number, rows, things, wholes
 
 # --- observation ----------------------------------------------------------------------------------
 
@@ -94,12 +94,9 @@ def decode_observation(tree: Tree) -> Observation:
         A field that is missing or of another type; the message names it.
     """
     imu, modules = things(tree, "imu"), things(tree, "modules", 4)
-    ticks = field(tree, "ticks", list)
-    if not all(type(count) is int and -(2**63) <= count < 2**63 for count in ticks):
-        raise ValueError(f"ticks: expected whole numbers, got {ticks!r:.60}")
     return Observation(
         time=number(tree, "time"),
-        ticks=np.array(ticks, np.int64),
+        ticks=wholes(field(tree, "ticks", list), "ticks"),
         imu_time=rows(imu, "time")[:, 0],
         gyro=rows([field(sample, "gyro", dict) for sample in imu], *"xyz"),
         accel=rows([field(sample, "accel", dict) for sample in imu], *"xyz"),

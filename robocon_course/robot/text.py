@@ -191,3 +191,26 @@ def rows(items: list[Tree], *names: str) -> NDArray[np.float64]:
     """
     values = [[number(item, name) for name in names] for item in items]
     return np.array(values, float).reshape(len(items), len(names))
+
+
+def wholes(values: list, name: str) -> NDArray[np.int64]:
+    """Whole numbers that came from elsewhere.
+
+    Parameters
+    ----------
+    values : list
+    name : str
+        For the message.
+
+    Returns
+    -------
+    ndarray of int64, shape (n,)
+
+    Raises
+    ------
+    ValueError
+        One is no whole number, or needs more than 64 bits.
+    """
+    if not all(type(value) is int and -(2**63) <= value < 2**63 for value in values):
+        raise ValueError(f"{name}: expected whole numbers, got {values!r:.60}")
+    return np.array(values, np.int64)
