@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import base64
+import errno
 import json
 import os
 import subprocess
 import sys
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import jsonschema
 import numpy as np
@@ -469,6 +471,20 @@ def test_a_name_that_is_a_folder_leaves_the_part(tmp_path):
         log.close()
     log.close()
     assert len(list(read_log(tmp_path / "m.mcap.part"))) == 1
+
+
+def test_a_full_disk_ends_the_log_and_nothing_else(tmp_path, monkeypatch):
+    bus, log = Bus(), MatchLog(tmp_path / "m.mcap")
+    log.listen(bus)
+    bus.publish("/rosout", TOLD["/rosout"])
+
+    def full() -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(log, "_file", SimpleNamespace(closed=False, flush=full))
+    bus.publish("/rosout", TOLD["/rosout"])
+    bus.publish("/score", TOLD["/score"])
+    assert [topic for topic, _ in bus.failed] == ["/rosout"] and bus.latest["/score"]
 
 
 KILLED = """
