@@ -26,6 +26,7 @@ ROOMS = (
         "autopilot",
         "logs.writer",
         "logs.reader",
+        "logs.replay",
         "recordings",
     ),
 )

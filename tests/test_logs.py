@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import base64
+import errno
 import json
 import os
 import subprocess
 import sys
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import jsonschema
 import numpy as np
@@ -20,9 +22,18 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from conftest import ROOT
-from robocon_course.logs import LogError, MatchLog, foxglove, read_log, schemas, summary
+from robocon_course.logs import LogError, MatchLog, Replay, foxglove, read_log, schemas, summary
 from robocon_course.logs.kinds import KINDS
-from robocon_course.robot import Bus, Command, Frame, LidarReading, Observation, codec, messages
+from robocon_course.robot import (
+    Bus,
+    Command,
+    Frame,
+    LidarReading,
+    Observation,
+    Robot,
+    codec,
+    messages,
+)
 from robocon_course.robot.text import from_text, to_text
 from robocon_course.vision.reading import Detections
 
@@ -471,6 +482,20 @@ def test_a_name_that_is_a_folder_leaves_the_part(tmp_path):
     assert len(list(read_log(tmp_path / "m.mcap.part"))) == 1
 
 
+def test_a_full_disk_ends_the_log_and_nothing_else(tmp_path, monkeypatch):
+    bus, log = Bus(), MatchLog(tmp_path / "m.mcap")
+    log.listen(bus)
+    bus.publish("/rosout", TOLD["/rosout"])
+
+    def full() -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(log, "_file", SimpleNamespace(closed=False, flush=full))
+    bus.publish("/rosout", TOLD["/rosout"])
+    bus.publish("/score", TOLD["/score"])
+    assert [topic for topic, _ in bus.failed] == ["/rosout"] and bus.latest["/score"]
+
+
 KILLED = """
 import sys
 from robocon_course.logs import MatchLog
@@ -568,6 +593,50 @@ def test_no_bit_of_the_beginning_makes_a_reader_stumble(short_log, place, bit):
         assert str(path) in str(error)
     else:
         assert len(back) <= len(SHORT)
+
+
+# --- replay ---------------------------------------------------------------------------------------
+
+
+def played(path: Path) -> Path:
+    """A log in which the speed told is the time seen."""
+    told = [("/rosout", TOLD["/rosout"])]
+    for k in range(5):
+        told += [("/observation", seen(k / 10)), ("/odom", TOLD["/odom"]), ("/command", drive(k))]
+    written(path, told)
+    return path
+
+
+def drive(k: int) -> Command:
+    return Command(np.full(4, k / 10), np.zeros(4))
+
+
+def test_a_replayed_log_is_a_robot_that_sees_and_is_told_the_same(tmp_path):
+    robot = Replay(played(tmp_path / "m.mcap"))
+    assert isinstance(robot, Robot)
+    for k in range(5):
+        assert not robot.ended
+        assert same(robot.read(), seen(k / 10))
+        assert robot.expected.speeds.tolist() == [k / 10] * 4
+        robot.apply(Command([k / 10] * 4, [0.0] * 4))
+    assert robot.ended and (robot.applied, robot.different) == (5, 0)
+    again = robot.read()
+    assert again.time == 0.4 and len(again.imu_time) == len(again.gyro) == 0
+    assert robot.expected is None and robot.first_different is None
+
+
+def test_a_replay_tells_from_when_on_commands_differ(tmp_path):
+    robot = Replay(played(tmp_path / "m.mcap"))
+    for k in range(5):
+        robot.read()
+        robot.apply(drive(k) if k != 2 else Command(np.full(4, np.nextafter(0.2, 1)), np.zeros(4)))
+    assert (robot.applied, robot.different, robot.first_different) == (5, 1, 0.2)
+
+
+def test_a_log_without_observations_cannot_be_replayed(tmp_path):
+    written(tmp_path / "m.mcap", [("/rosout", TOLD["/rosout"])])
+    with pytest.raises(LogError, match="holds no observations to replay"):
+        Replay(tmp_path / "m.mcap")
 
 
 # --- what is no log -------------------------------------------------------------------------------

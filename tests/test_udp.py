@@ -576,7 +576,10 @@ from robocon_course.robot.udp import RobotServer
 from robocon_course.simulator import Simulator
 
 class Noted(Simulator):
-    told = []
+    told, rounds = [], []
+    def step(self, dt):
+        super().step(dt)
+        self.rounds.append(monotonic())
     def apply(self, command):
         super().apply(command)
         self.told.append((monotonic(), command.checked()[0].tolist()))
@@ -585,12 +588,13 @@ robot = Noted()
 robot.step(0.01)
 robot.reset(0)
 robot.told.clear()
+robot.rounds.clear()
 server = RobotServer(robot, step=robot.step)
 print(server.port, flush=True)
 threading.Thread(target=lambda: (sys.stdin.read(), server.stop()), daemon=True).start()
 with server:
     server.run()
-print(json.dumps(robot.told))
+print(json.dumps([robot.told, robot.rounds]))
 """
 
 
@@ -602,6 +606,12 @@ def drive(robot: UdpRobot, seconds: float) -> list[Observation]:
         time.sleep(0.01)
         found.append(robot.read())
     return found
+
+
+def drives(found: list[Observation]) -> bool:
+    """Whether the wheels turn as they were asked, most of the later half of the time."""
+    speeds = [one.module_speeds for one in found[len(found) // 2 :]]
+    return bool(np.abs(np.median(speeds, axis=0) - 0.5).max() < 0.05)
 
 
 def test_a_robot_in_a_process_of_its_own_drives_stops_in_silence_and_drives_again():
@@ -621,14 +631,17 @@ def test_a_robot_in_a_process_of_its_own_drives_stops_in_silence_and_drives_agai
         told, _ = process.communicate(timeout=10)
     finally:
         process.kill()
-    assert np.abs(first[-1].module_speeds - 0.5).max() < 0.05
+    assert drives(first) and drives(again)
     samples = np.concatenate([one.imu_time for one in first[1:]])
     assert (np.diff(samples) > 0.0).all() and len(samples) > 60
     assert np.abs(silent.module_speeds).max() < 0.01 and silent.time > first[-1].time + 0.4
     np.testing.assert_allclose(silent.module_angles, AHEAD.angles, atol=0.01)
-    assert np.abs(again[-1].module_speeds - 0.5).max() < 0.05
     assert counts.received > 120 and counts.malformed == counts.doubled == 0
-    told = [(at, max(map(abs, speeds))) for at, speeds in json.loads(told)]
-    stops = [k for k, (_, speed) in enumerate(told) if speed == 0.0]
-    assert len(stops) == 2, "once in the silence, once at the end"
-    assert 0.1 < told[stops[0]][0] - told[stops[0] - 1][0] < 0.2
+    told, rounds = json.loads(told)
+    stops = [k for k, (_, speeds) in enumerate(told) if not any(speeds)]
+    assert len(stops) >= 2, "once in the silence, once at the end"
+    for k in stops[:-1]:
+        before, at = told[k - 1][0], told[k][0]
+        # The promise is 0.2 s; a computer that was held up has an excuse as long as the hold-up.
+        pause = max(np.diff([one for one in rounds if before - 0.5 < one < at + 0.5]))
+        assert 0.15 < at - before < 0.16 + max(pause, 0.03)

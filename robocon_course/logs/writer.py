@@ -89,11 +89,11 @@ class MatchLog:
         try:
             self.part.parent.mkdir(parents=True, exist_ok=True)
             self._file = self.part.open("wb")
+            self._writer = Writer(self._file, CHUNK, compression=CompressionType.ZSTD)
+            self._writer.start(PROFILE, f"robocon-course {robocon_course.__version__}")
+            self._file.flush()
         except OSError as error:
             raise LogError(f"{self.part} cannot be written: {error.strerror}") from None
-        self._writer = Writer(self._file, CHUNK, compression=CompressionType.ZSTD)
-        self._writer.start(PROFILE, f"robocon-course {robocon_course.__version__}")
-        self._file.flush()
 
     def __enter__(self) -> Self:
         return self
@@ -107,6 +107,7 @@ class MatchLog:
         Parameters
         ----------
         bus : Bus
+            Once the disk is full it drops the log, and says so in ``bus.failed``.
         """
         self._subscriptions.append(bus.subscribe("*", self._hear))
 
