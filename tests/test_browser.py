@@ -1,4 +1,4 @@
-"""What a student does, in a real browser: open a chapter, run it, move a slider, solve, drive.
+"""In a real browser: open a chapter, run it, move a slider, solve, drive, operate a robot.
 
 Screenshots of the steps lie in test-artefacts/ afterwards, to be looked at.
 """
@@ -273,25 +273,31 @@ def test_a_chapter_of_the_way_runs_untouched_and_its_slider_draws_it_anew(
     assert re.search(words, move_first_slider(chapter, slider, 0.75, f"{name}-slider"))
 
 
-DRIVE = """{
- "cells": [{"cell_type": "code", "id": "drive", "execution_count": null, "metadata": {},
-            "outputs": [], "source": "from robocon_course.view import drive\\ndrive()"}],
- "metadata": {"kernelspec": {"display_name": "Python 3 (ipykernel)", "name": "python3"}},
- "nbformat": 4, "nbformat_minor": 5
-}"""
+DRIVE = "from robocon_course.view import drive\ndrive()"
 
 
-@pytest.fixture(scope="module")
-def wheel(page, address, workspace):
-    """A notebook of the student's own with the driving panel, its simulator started."""
-    (workspace / "drive.ipynb").write_text(DRIVE)
-    parts, page = urlsplit(address), page.context.new_page()
-    page.goto(f"http://{parts.netloc}/lab/tree/drive.ipynb?{parts.query}")
+def run_own(page, address: str, workspace: Path, name: str, source: str) -> None:
+    """A notebook of the student's own with one cell, opened and run."""
+    kernel = {"display_name": "Python 3 (ipykernel)", "name": "python3"}
+    cell = {"cell_type": "code", "id": "one", "metadata": {}, "outputs": []}
+    cell |= {"execution_count": None, "source": source}
+    notebook = {"cells": [cell], "metadata": {"kernelspec": kernel}}
+    notebook |= {"nbformat": 4, "nbformat_minor": 5}
+    (workspace / f"{name}.ipynb").write_text(json.dumps(notebook), encoding="utf-8")
+    parts = urlsplit(address)
+    page.goto(f"http://{parts.netloc}/lab/tree/{name}.ipynb?{parts.query}")
     page.wait_for_selector(".jp-Notebook .jp-Cell")
     page.wait_for_function("window.jupyterapp?.shell.currentWidget?.sessionContext")
     page.evaluate(READY)
     page.evaluate("() => { jupyterapp.commands.execute('notebook:run-all-cells') }")
     page.wait_for_function(ALL_RUN)
+
+
+@pytest.fixture(scope="module")
+def wheel(page, address, workspace):
+    """A notebook of the student's own with the driving panel, its simulator started."""
+    page = page.context.new_page()
+    run_own(page, address, workspace, "drive", DRIVE)
     still = page.locator(FIGURE)
     still.wait_for()
     assert "heading 0°" in still.get_attribute("alt")
@@ -330,6 +336,93 @@ def test_a_student_drives_the_robot_with_sliders_and_stops_it(wheel):
     photograph(wheel, "7-stopped")
     assert 1.0 < float(re.search(r"y ([\d.]+) m", rest)[1]) < 12.0
     assert wheel.locator(".widget-readout").all_text_contents() == ["0.00", "0.00", "0.00"]
+
+
+OPERATED = """
+import asyncio
+
+import numpy as np
+
+from robocon_course.robot import Bus, LidarReading, Observation, messages
+from robocon_course.view.dashboard import dashboard
+
+WAYS = [("wait", "drive", "start"), ("drive", "wait", "retry"), ("drive", "done", "arrived"),
+        ("drive", "stuck", "coming nowhere"), ("stuck", "drive", "free again")]
+bus = Bus()
+screen = dashboard(bus, states=WAYS)
+at = {"time": 0.0, "y": 0.35, "speed": 0.0}
+
+
+def heard(topic, button):
+    if button.name in ("start", "retry"):
+        at["y"], at["speed"] = (0.35, 0.8) if button.name == "start" else (5.5, 0.0)
+        state = "drive" if button.name == "start" else "wait"
+        bus.publish("/mission/state", messages.State(at["time"], state, button.name))
+        bus.publish("/rosout", messages.Log(at["time"], "warning", f"{button.name} <heard>"))
+
+
+def seen():
+    beams = [LidarReading(at["time"], d, 900, 30.0) for d in (2.4, 0.6, 0.5, 3.1)]
+    zeros, turned = np.zeros((1, 3)), np.full(4, np.pi / 2)
+    ticks = np.array([0, 0, int(17204 * at["y"])])
+    return Observation(at["time"], ticks, np.array([at["time"]]), zeros, zeros + [0, 0, 9.8],
+                       tuple(beams), np.full(4, at["speed"]), turned, 23.4)
+
+
+async def robot():
+    box = np.array([[90.0, 80.0, 150.0, 140.0]])
+    found = messages.Detection2DArray(0.0, "ball", box, np.array([0.9]), ("red",))
+    bus.publish("/camera/image", messages.Image(0.0, np.full((240, 320, 3), 120, np.uint8)))
+    bus.publish("/camera/detections", found)
+    bus.publish("/silos", messages.Silos(0.0, ("RB", "R", "", "BBR", "")))
+    bus.publish("/plan", messages.Path(0.0, np.array([(0.55, 0.35), (0.55, 6.4), (4.3, 6.4)])))
+    bus.publish("/mission/state", messages.State(0.0, "wait", ""))
+    while True:
+        at["time"] += 0.01
+        at["y"] = min(6.4, at["y"] + 0.01 * at["speed"])
+        pose = np.array([0.55, at["y"], 0.0])
+        bus.publish("/observation", seen())
+        bus.publish("/odom", messages.PoseStamped(at["time"], pose))
+        bus.publish("/score", messages.Score(at["time"], 30, 10, 180.0 - at["time"]))
+        await asyncio.sleep(0.01)
+
+
+bus.subscribe("/operator", heard)
+task = asyncio.get_running_loop().create_task(robot())
+"""
+
+
+BEYOND = """y => {
+    const placed = document.querySelector('.rc-robot').getAttribute('transform');
+    return parseFloat(placed.split(' -')[1]) > y;
+}"""
+
+
+def test_an_operator_starts_a_robot_sees_it_move_and_sends_it_to_retry(page, address, workspace):
+    page = page.context.new_page()
+    page.set_viewport_size({"width": 1280, "height": 800})
+    run_own(page, address, workspace, "operate", OPERATED)
+    for command in ("application:toggle-left-area", "notebook:hide-cell-code"):
+        page.evaluate("one => { jupyterapp.commands.execute(one) }", command)
+    page.get_by_text("● connected").wait_for()
+    page.locator(".rc-bar").scroll_into_view_if_needed()
+    robot = page.locator(".rc-robot")
+    assert robot.get_attribute("transform") == "translate(55.0 -35.0) rotate(0.0)"
+    photograph(page, "8-waiting")
+    page.locator("button.jupyter-button", has_text="Start").click()
+    page.wait_for_function(BEYOND, arg=100)
+    assert page.locator(".rc-live").text_content().startswith("drive")
+    photograph(page, "9-operated")
+    page.locator("button.jupyter-button", has_text="Retry").click()
+    page.get_by_text("retry <heard>").wait_for()
+    page.wait_for_function(BEYOND, arg=549)
+    assert page.locator("button.jupyter-button", has_text="Start").is_disabled(), (
+        "a match that is retried runs on"
+    )
+    photograph(page, "10-retried")
+    page.set_viewport_size({"width": 760, "height": 1200})
+    page.wait_for_timeout(500)
+    photograph(page, "11-half-width")
 
 
 def test_nothing_is_fetched_from_the_internet(chapter, hosts):

@@ -15,6 +15,7 @@ import numpy as np
 from robocon_course import field
 from robocon_course.autopilot.route import DriveLimits
 from robocon_course.mission import Approach, SeenBall, State, is_full
+from robocon_course.mission.balls import LANE
 from robocon_course.robot import SIDE
 
 if TYPE_CHECKING:
@@ -32,6 +33,8 @@ PUSH_TO = 1.45
 """So far it goes into the pile [m]."""
 WALL = 0.16
 """Between the body and any wall where a ball is taken [m]: it may turn there."""
+PATIENCE = 0.6
+"""A ball that is driven to may be out of sight so long [s]."""
 CLOSE = 0.04
 """Between the body and any wall at the very end of that way [m]."""
 BALL_TILT, NEAR_TILT, SILO_TILT = 0.42, 0.70, 0.05
@@ -146,8 +149,8 @@ def _take(pilot: Autopilot) -> Order:
     end = way.take[0] + OVERSHOOT * c, way.take[1] + OVERSHOOT * s
     # The rollers take whatever comes: they turn only for the last bit of the way.
     close = pilot.near((*way.take, way.heading), 0.14, inf)
-    intake = float(close or bool(pilot.notes.get("close")))
-    pilot.notes["close"] = bool(intake)
+    pilot.notes["close"] = close or bool(pilot.notes.get("close"))
+    intake = float(pilot.notes["close"] and not _other_at_rollers(way, pilot))
     return Order((*end, way.heading), TAKING, intake=intake, tilt=NEAR_TILT, watch="ball")
 
 
@@ -253,7 +256,9 @@ def approach_to_ball(pilot: Autopilot) -> Approach | None:
     own = [ball for ball in balls if ball.colour == pilot.team]
     gaps = [hypot(ball.x - way.ball.x, ball.y - way.ball.y) for ball in own]
     if not gaps or min(gaps) > 0.2:
-        return way if straight and pilot.near((*way.take, way.heading), 0.3, inf) else None
+        unseen = pilot.now - pilot.notes.get("seen", pilot.now)
+        return way if straight or unseen < PATIENCE else None
+    pilot.notes["seen"] = pilot.now
     moved = own[int(np.argmin(gaps))]
     if min(gaps) < 0.015:
         return way
@@ -267,6 +272,17 @@ def approach_to_ball(pilot: Autopilot) -> Approach | None:
     return way if fits(*end, way.heading, CLOSE) else None  # it rolled to a wall
 
 
+def _other_at_rollers(way: Approach, pilot: Autopilot) -> bool:
+    """Whether a ball of another colour may come to the rollers."""
+    c, s = cos(way.heading), sin(way.heading)
+    for other in pilot.sight.balls:
+        dx, dy = other.x - pilot.pose[0], other.y - pilot.pose[1]
+        ahead, aside = c * dx + s * dy, c * dy - s * dx
+        if other.colour != pilot.team and 0.2 < ahead < 0.56 and abs(aside) < LANE:
+            return True
+    return False
+
+
 def _barred(way: Approach, pilot: Autopilot, balls: list[SeenBall]) -> bool:
     """Whether another ball has come between the rollers and the ball."""
     c, s = cos(way.heading), sin(way.heading)
@@ -274,6 +290,8 @@ def _barred(way: Approach, pilot: Autopilot, balls: list[SeenBall]) -> bool:
     for other in balls:
         dx, dy = other.x - pilot.pose[0], other.y - pilot.pose[1]
         ahead, aside = c * dx + s * dy, c * dy - s * dx
-        if other.colour != pilot.team and 0.3 < ahead < far - 0.03 and abs(aside) < 0.12:
+        in_its_place = hypot(other.x - way.ball.x, other.y - way.ball.y) < 0.12
+        in_front = 0.3 < ahead < far - 0.03 and abs(aside) < 0.12
+        if other.colour != pilot.team and (in_front or in_its_place):
             return True
     return False

@@ -308,7 +308,7 @@ def _updated(track: Track, sighting: tuple[float, float, float, int, float]) -> 
     x, y, variance, number, score = sighting
     before = track.variance + 0.02**2
     gain = before / (before + variance)
-    votes = tuple(0.9 * v + (score if k == number else 0.0) for k, v in enumerate(track.votes))
+    votes = tuple(0.75 * v + (score if k == number else 0.0) for k, v in enumerate(track.votes))
     return Track(
         track.x + gain * (x - track.x), track.y + gain * (y - track.y),
         (1.0 - gain) * before, votes, track.hits + 1, 0,

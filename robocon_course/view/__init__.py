@@ -4,8 +4,8 @@
 the plots of the chapters, ``field_picture`` the field with robots (``body``) and paths on it,
 ``searching`` maps, ways and how a search went. ``seeing`` draws pictures with boxes and how good
 a detector is, ``looking`` films, places, and balls from above. ``comparison`` is the picture of a
-wrong answer, ``pictures`` the three big drawings, ``widgets`` the sliders, and ``driving`` a robot
-under one's own hands.
+wrong answer, ``pictures`` the three big drawings, ``widgets`` the sliders, ``driving`` a robot
+under one's own hands, and ``dashboard`` the screen of a match's operator.
 """
 
 from robocon_course.view.animation import animate

@@ -20,6 +20,7 @@ from robocon_course.simulator.machine import START
 from robocon_course.view.canvas import publish, show
 from robocon_course.view.field_picture import draw_field
 from robocon_course.view.live import MARGIN, VIEW, Ride, photograph
+from robocon_course.view.stick import LIMITS, NAMES, pushed
 from robocon_course.view.widgets import has_sliders
 
 AROUND = (-0.05, 3.95, -0.05, 3.45)
@@ -27,11 +28,6 @@ FRAME = 0.1
 """Time between two pictures [s]."""
 PATIENCE = 60.0
 """How long the robot keeps driving without any new input [s]."""
-LIMITS = (2.0, 2.0, 3.0)
-"""Ends of the sliders: vx, vy [m/s] and omega [rad/s]."""
-DEAD_ZONE = 0.15
-"""A stick that is let go stands within this share of its way."""
-NAMES = ("vx [m/s]", "vy [m/s]", "ω [rad/s]")
 HINT = "vx forward, vy to the left, ω turns left.<br>A gamepad drives too: press a button on it."
 
 
@@ -139,10 +135,9 @@ class Panel:
 
     def _sticks(self, _: Any) -> None:
         """Left stick: forward and left; right stick: turn. A gamepad counts right and down."""
-        values = [axis.value for axis in self.pad.axes]
-        for slider, k in zip(self.sliders, (1, 0, 2), strict=True):
-            push = -values[k] if k < len(values) else 0.0
-            slider.value = 0.0 if abs(push) < DEAD_ZONE else push * slider.max
+        twist = pushed([axis.value for axis in self.pad.axes])
+        for slider, speed in zip(self.sliders, twist, strict=True):
+            slider.value = speed
 
     async def _drive(self) -> None:
         """Let time pass while something moves; say what goes wrong where it can be read."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 from collections import deque
-from functools import cache
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -15,7 +14,7 @@ from robocon_course.geometry import wrap_angle
 from robocon_course.simulator import Simulator
 from robocon_course.view.body import RobotPicture, robot_shapes
 from robocon_course.view.canvas import MINE, TRUTH
-from robocon_course.view.field_picture import WHOLE_FIELD, field_edges
+from robocon_course.view.ground import painted_field
 from robocon_course.view.raster import Pixels, Scale, font, paint, rgb
 
 CONTROL = 0.02
@@ -109,29 +108,15 @@ def photograph(ride: Ride) -> bytes:
     return stream.getvalue()
 
 
-@cache
-def _floor() -> Pixels:
-    """The field with the largest y at the top, a little paler than it is."""
-    picture = field.picture(1.0 / PER_METRE)[::-1]
-    floor = (picture * (1.0 - PALE) + 255.0 * PALE).astype(np.uint8)
-    paint(floor, field_edges(), _whole(len(floor)))
-    floor.setflags(write=False)
-    return floor
-
-
-def _whole(rows: int) -> Scale:
-    return Scale(PER_METRE, -WHOLE_FIELD[0] * PER_METRE, rows + WHOLE_FIELD[2] * PER_METRE)
-
-
 def _field_at(x: float, y: float) -> tuple[Pixels, Scale]:
     """A piece of the field around a point, but never beyond the fences."""
-    rows, columns, _ = _floor().shape
-    whole = _whole(rows)
+    floor, whole = painted_field(PER_METRE, PALE)
+    rows, columns, _ = floor.shape
     column, row = whole.pixels(np.array([x, y])).round().astype(int).tolist()
     width, height = VIEW
     left = min(max(column - width // 2, 0), columns - width)
     top = min(max(row - height // 2, 0), rows - height)
-    piece = _floor()[top : top + height, left : left + width].copy()
+    piece = floor[top : top + height, left : left + width].copy()
     return piece, whole.moved(left, top)
 
 

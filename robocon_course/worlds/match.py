@@ -15,10 +15,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robocon_course._arrays import FloatArray, freeze_arrays
-from robocon_course.autopilot import Autopilot, Parts, Telemetry, measured_offsets
+from robocon_course.autopilot import (
+    Autopilot,
+    Parts,
+    Telemetry,
+    measured_offsets,
+    module_command,
+)
 from robocon_course.mission import STRATEGIES, State
-from robocon_course.robot import Bus
-from robocon_course.robot.messages import Button, Log, PoseStamped, Score
+from robocon_course.robot import Bus, Command, Observation
+from robocon_course.robot.messages import Button, Log, PoseStamped, Score, Twist
 from robocon_course.worlds.drive import REFERENCE
 from robocon_course.worlds.imu import own_imu
 from robocon_course.worlds.robot import own_robot
@@ -147,6 +153,52 @@ def new_pilot(parts: Parts, student: Student, setting: str) -> Autopilot:
     )  # fmt: skip
 
 
+class ByHand:
+    """What the operator's stick and buttons ask for.
+
+    Attributes
+    ----------
+    on : bool
+        Whether they drive in place of the autopilot.
+    """
+
+    def __init__(self) -> None:
+        self.on = False
+        self._twist = (0.0, 0.0, 0.0)
+        self._held: dict[str, float] = {}
+
+    def steer(self, topic: str, twist: Twist) -> None:
+        """The stick moved."""
+        self._twist = (float(twist.vx), float(twist.vy), float(twist.omega))
+
+    def press(self, button: Button) -> None:
+        """A button that is about driving by hand."""
+        if button.name == "manual":
+            self.on = button.value in ("on", True)
+            self._twist, self._held = (0.0, 0.0, 0.0), {}
+        elif button.name in ("intake", "pan", "tilt"):
+            self._held[button.name] = float(button.value)
+        elif button.name == "release":
+            self._held["release"] = LETS_GO
+            self._held["intake"] = 0.0
+
+    def command(self, parts: Parts, seen: Observation) -> Command:
+        """What they ask for, as a command; the stick's axes are the robot's own."""
+        order = module_command(parts, self._twist, 0.0, seen.module_angles, dt=CYCLE)
+        left = self._held.get("release", 0.0)
+        self._held["release"] = max(0.0, left - CYCLE)
+        return Command(
+            order.speeds, order.angles, self._held.get("intake", 0.0), left > 0.0,
+            self._held.get("pan", 0.0), self._held.get("tilt", 0.3), "ball",
+        )  # fmt: skip
+
+
+CYCLE = 0.01
+"""Of control [s]."""
+LETS_GO = 0.7
+"""So long the gripper is told to let go after its button [s]."""
+
+
 class Play:
     """A match that can be played bit by bit: for screens, logs, and `play_match`.
 
@@ -160,7 +212,7 @@ class Play:
     strategy : str, optional
         One of `mission.STRATEGIES`: in place of the part ``choose_silo``.
     bus : Bus, optional
-        Told everything, and listened to: ``/operator`` starts, stops and retries.
+        Told everything, and listened to: ``/operator`` and ``/cmd_vel``.
     walls, imu, set_up : bool
         Without LiDARs; without gyroscope; with LiDARs whose own errors nobody measured.
 
@@ -186,43 +238,53 @@ class Play:
         imu: bool = True,
         set_up: bool = True,
     ) -> None:
+        if strategy is not None:
+            parts = replace(parts, choose_silo=STRATEGIES[strategy])
+        self.student, self.parts, self.seed, self.bus = student, parts, seed, bus
+        self._match = {"opponent": opponent, "drawn": drawn, "faults": faults}
+        self._pilot = {"walls": walls, "imu": imu, "set_up": set_up}
+        self._by_hand = ByHand()
+        if bus is not None:
+            bus.subscribe("/operator", self._pressed)
+            bus.subscribe("/cmd_vel", self._by_hand.steer)
+        self._prepare(team)
+
+    def _prepare(self, team: str) -> None:
+        """A new match, until the robot stands at its start and knows its gyroscope."""
         from robocon_course.simulator import SensorModel
         from robocon_course.simulator.match import Match
 
-        if strategy is not None:
-            parts = replace(parts, choose_silo=STRATEGIES[strategy])
+        student, setting = self.student, self._pilot
         self.match: Match = Match(
-            int(generator(student, "match", str(seed)).integers(1 << 31)),
-            team=team, opponent=opponent, drawn=drawn, faults=faults,
-            model=own_robot(student), sensors=SensorModel(imu=own_imu(student)),
+            int(generator(student, "match", str(self.seed)).integers(1 << 31)), team=team,
+            model=own_robot(student), sensors=SensorModel(imu=own_imu(student)), **self._match,
         )  # fmt: skip
         told = self.match.set_up()
-        offsets = measured_offsets(told) if set_up else np.zeros(4)
-        setting = " ".join([team, *map(repr, offsets.tolist()), *map(str, (int(walls), int(imu)))])
-        self.pilot = new_pilot(parts, student, setting)
-        self.bus, self._retries = bus, 0
-        self._telemetry = Telemetry(bus, self.pilot) if bus is not None else None
-        self._events = 0
-        if bus is not None:
-            bus.publish("/operator", Button("set_up", setting))
-            bus.subscribe("/operator", self._pressed)
+        offsets = measured_offsets(told) if setting["set_up"] else np.zeros(4)
+        flags = map(str, (int(setting["walls"]), int(setting["imu"])))
+        words = " ".join([team, *map(repr, offsets.tolist()), *flags])
+        self.pilot = new_pilot(self.parts, student, words)
+        self._telemetry = None if self.bus is None else Telemetry(self.bus, self.pilot)
+        self._retries = self._events = 0
+        self._by_hand.on = False
+        self._tell("set_up", words)
         while self.match.robot.time < REST + SET_UP_TAKES:
             self.tick()
 
     def start(self) -> None:
         """Start the clock."""
-        if self.match.started is not None:
-            return
-        self.match.start()
-        self.pilot.start()
-        if self.bus is not None:
-            self.bus.publish("/operator", Button("start"))
+        if self.match.started is None:
+            self.match.start()
+            self.pilot.start()
+            self._tell("start")
 
     def tick(self) -> None:
         """One control cycle."""
         match, pilot = self.match, self.pilot
         seen = match.read()
         command = pilot.tick(seen)
+        if self._by_hand.on:
+            command = self._by_hand.command(self.parts, seen)
         match.apply(command)
         if self._telemetry is not None:
             self._telemetry.tell(seen, command)
@@ -233,18 +295,31 @@ class Play:
             from robocon_course.simulator.referee import RETRY_COSTS
 
             pilot.restart(match.home, RETRY_COSTS)
-            if self.bus is not None:
-                where = " ".join(map(repr, map(float, (*match.home, RETRY_COSTS))))
-                self.bus.publish("/operator", Button("placed", where))
+            self._tell("placed", " ".join(map(repr, map(float, (*match.home, RETRY_COSTS)))))
 
     def _pressed(self, topic: str, button: Button) -> None:
         """The operator's buttons."""
-        if button.name == "start" and self.match.started is None:
+        match = self.match
+        if button.name == "start" and match.over:
+            self.seed += 1
+            self._prepare(match.team)
             self.start()
-        elif button.name == "retry" and self.match.started is not None and not self.match.over:
-            self.match.retry()
+        elif button.name == "start":
+            self.start()
+        elif button.name == "colour" and match.started is None and button.value != match.team:
+            self._prepare(str(button.value))
+        elif button.name == "retry" and match.started is not None and not match.over:
+            match.retry()
         elif button.name == "stop":
             self.pilot.stop()
+            self._by_hand.on = False
+        else:
+            self._by_hand.press(button)
+
+    def _tell(self, name: str, value: str = "") -> None:
+        """What the crew did, for whoever writes it down."""
+        if self.bus is not None:
+            self.bus.publish("/operator", Button(name, value))
 
     def _tell_score(self) -> None:
         match, bus, referee = self.match, self.bus, self.match.referee

@@ -84,10 +84,12 @@ def replay_log(
     """
     pilot: Autopilot | None = None
     commands = different = 0
-    first, states, ours, last = None, [], None, None
+    first, states, ours, last, by_hand = None, [], None, None, False
     for topic, message in read_log(path):
         if topic == "/operator" and message.name == "set_up":
             pilot = new_pilot(parts, student, message.value)
+        elif topic == "/operator" and message.name == "manual":
+            by_hand = message.value == "on"
         elif topic == "/operator" and pilot is not None:
             _press(pilot, message)
         elif topic == "/observation" and isinstance(message, Observation):
@@ -99,7 +101,7 @@ def replay_log(
                 states.append((float(message.time), str(last)))
             if commands % 500 == 0:
                 on_time(min(1.0, commands / 18_500))
-        elif topic == "/command" and ours is not None:
+        elif topic == "/command" and ours is not None and not by_hand:
             commands += 1
             if not _equal(ours, message):
                 different += 1
