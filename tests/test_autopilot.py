@@ -221,6 +221,11 @@ def test_junk_in_every_sense_at_once_raises_nothing_and_with_readings_back_it_go
     assert play.pilot.state is not State.NO_SENSORS and drives(commands)
 
 
+@cache
+def first_look() -> Observation:
+    return copy.deepcopy(played(11.5)).match.read()
+
+
 @settings(max_examples=60, deadline=None)
 @given(
     time=anything, counters=st.lists(anything, min_size=3, max_size=3), rates=anything,
@@ -231,8 +236,7 @@ def test_junk_in_every_sense_at_once_raises_nothing_and_with_readings_back_it_go
 def test_one_observation_of_any_numbers_is_answered_by_a_command(
     time, counters, rates, distances, angles, box, watch
 ):
-    play = copy.deepcopy(played(11.5))
-    pilot, seen = play.pilot, play.match.read()
+    pilot, seen = copy.deepcopy(played(11.5).pilot), first_look()
     found = Detections(np.array([box]), np.array([0.9], np.float32), np.array([2]))
     with np.errstate(all="ignore"):
         bad = seen._replace(
@@ -268,6 +272,45 @@ def test_a_frozen_observation_makes_it_stand_and_it_comes_back():
     assert any(level == "error" for _, level, _ in play.pilot.speaks)
     commands = ticks(play, 1.5)
     assert play.pilot.state is State.GO_TO_AREA_3 and drives(commands)
+
+
+@pytest.mark.parametrize("leap", [1e9, -3.0, 1000.0])
+def test_a_clock_that_goes_on_elsewhere_neither_ends_the_match_nor_stops_it(leap):
+    play = copy.deepcopy(played(11.5))
+    begun, before = play.pilot.now, play.match.clock
+
+    def later(seen):
+        frame = seen.frame and seen.frame._replace(time=seen.frame.time + leap)
+        lidar = tuple(r._replace(time=r.time + leap) for r in seen.lidar)
+        return seen._replace(time=seen.time + leap, lidar=lidar, frame=frame)
+
+    commands = ticks(play, 4.0, later)
+    pilot = play.pilot
+    assert pilot.state not in (State.FINISHED, State.NO_SENSORS) and drives(commands[100:])
+    # A few readings pass before the new clock is believed.
+    assert pilot.now - begun == pytest.approx(play.match.clock - before, abs=0.3)
+    assert pilot.sight.last > begun and pilot.walls.used > 0
+    ticks(play, 1.0)  # and back
+    assert pilot.state not in (State.FINISHED, State.NO_SENSORS)
+
+
+def test_a_lidar_that_told_a_time_to_come_is_heard_again():
+    play = copy.deepcopy(played(11.5))
+    late = [tuple(r._replace(time=1e6) for r in play.match.read().lidar)]
+    ticks(play, 0.05, lambda seen: seen._replace(lidar=late[0]))
+    used = play.pilot.walls.used
+    ticks(play, 1.0)
+    assert play.pilot.walls.used > used + 50
+
+
+def test_a_picture_from_a_time_that_nobody_remembers_is_not_placed():
+    play = copy.deepcopy(played(11.5))
+    found = Detections(np.array([[100.0, 100, 150, 150]]), np.array([0.9]), np.array([2]))
+    looked = play.pilot.sight.frames
+    ticks(
+        play, 0.05, lambda s: s._replace(frame=Frame(s.time - 3, 0.0, 0.3, None, {"ball": found}))
+    )
+    assert play.pilot.sight.frames == looked
 
 
 def test_stop_stands_still_until_start():
