@@ -41,7 +41,8 @@ class Mistakes(NamedTuple):
 _ANGLES = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
 # Points of a disc: its rim, and a ring inside it.
 _DISC = np.vstack([np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)]) * r for r in (1.0, 0.55)])
-_CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (0, 1)], float)
+# And of a cylinder: its foot and its top.
+_CYLINDER = np.array([(np.cos(a), np.sin(a), z) for a in _ANGLES for z in (0.0, 1.0)])
 LEAST_SEEN = 0.15
 """Of a thing of which less is seen nothing is said."""
 
@@ -122,8 +123,8 @@ def silos_seen(
     for (x, y), filling in zip(field.SILOS, fillings, strict=True):
         tall = field.SILO_HEIGHT + (0.135 if len(filling) == 3 else 0.0)
         half = 0.5 * field.SILO_DIAMETER
-        corners = _CORNERS * (half, half, tall) + (x, y, field.SILO_ZONE.height)
-        away = (corners - T_map_camera[:3, 3]) @ T_map_camera[:3, :3]
+        outline = _CYLINDER * (half, half, tall) + (x, y, field.SILO_ZONE.height)
+        away = (outline - T_map_camera[:3, 3]) @ T_map_camera[:3, :3]
         if away[:, 2].min() < 0.3:
             continue
         points = _project(camera, away[None])[0]
