@@ -96,6 +96,8 @@ def season(
     """
     if seeds < 1:
         raise typer.BadParameter("at least one match", param_hint="--seeds")
+    if workers is not None and workers < 1:
+        raise typer.BadParameter("at least one process", param_hint="--workers")
     with refusals():
         from robocon_course import worlds
         from robocon_course.simulator import warm_up
