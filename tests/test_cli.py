@@ -118,6 +118,12 @@ def test_a_pipe_without_our_signs_shows_a_question_mark():
         (["status"], "holds no lessons; go to the folder with your notebooks"),
         (["attitude", "nowhere.csv"], "nowhere.csv"),
         (["build", "--check", "--only", "77"], "no lesson source 77"),
+        (["match", "--opponent", "mean"], "opponent: expected one of None, weak, middling, strong"),
+        (["match", "--team", "green"], "team: expected one of red, blue, got 'green'"),
+        (["match", "--strategy", "C"], "strategy: expected one of A, B, ahead, got 'C'"),
+        (["season", "--seeds", "0"], "at least one match"),
+        (["season", "--workers", "0"], "at least one process"),
+        (["season", "--strategy", "C", "--seeds", "1"], "strategy: expected one of A, B, ahead"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
@@ -477,3 +483,31 @@ def test_drive_ends_with_1_where_the_robot_does_not_arrive(room):
 def test_drive_refuses_what_it_cannot_do_with_a_sentence(arguments, sentence):
     code, said = robocon("drive", *arguments)
     assert code == 2 and sentence in said
+
+
+# --- match and season -------------------------------------------------------------------------
+
+
+@pytest.fixture
+def short(monkeypatch):
+    """Matches of 20 s: one ball, if all goes well."""
+    monkeypatch.setattr("robocon_course.simulator.match.MATCH", 20.0)
+
+
+def test_a_match_is_told_state_by_state_and_won_with_0(short):
+    code, said = robocon("match", "--seed", "1", "--opponent", "none")
+    assert code == 0 and "Robot of student" in said and "parts: reference, seed 1" in said
+    assert "go_to_area_3 start" in said and "approach_silo silo chosen" in said
+    assert "✔ won by points after 20.0 s" in said and "1 balls stored, 0 fouls" in said
+
+
+def test_a_match_that_is_not_won_ends_with_1(monkeypatch):
+    monkeypatch.setattr("robocon_course.simulator.match.MATCH", 1.0)
+    code, said = robocon("match", "--seed", "1")
+    assert code == 1 and "– a draw by points after 1.0 s" in said
+
+
+def test_a_season_is_a_table_with_a_row_for_each_match_and_their_sums(short):
+    code, said = robocon("season", "--seeds", "2", "--first", "1", "--workers", "1")
+    assert code == 0 and "2 matches" in said and "won 2 of 2, Mua Vang 0" in said
+    assert re.search(r"1 │ own, points │ 20 s", said) and re.search(r"2 │ own, points", said)
