@@ -50,6 +50,8 @@ LENGTH = 180.0
 """Of a match [s]."""
 BLIND_AFTER = 30
 """So many observations in a row without use, and the robot stands."""
+LONGEST_PAUSE = 10.0
+"""A clock that leaps farther, or back, is taken for another clock [s]."""
 STANDS = 0.03
 """Slower than this by its wheels it stands [m/s]."""
 NEAR = 0.03
@@ -135,7 +137,7 @@ class Autopilot:
         self.plan: FloatArray = np.empty((0, 2))
         self.speaks: list[tuple[float, str, str]] = []
         self.spoken = 0
-        self.now, self.ordered = 0.0, (0.0, 0.0)
+        self.now, self.ordered, self._leapt = 0.0, (0.0, 0.0), 0.0
         self._begins, self._ends, self._began = inf, inf, 0.0
         self._stored: list[float] = []
         self._watch, self._speed, self._motion = Watch(), 0.0, np.zeros(2)
@@ -240,7 +242,8 @@ class Autopilot:
         """
         self._locate(seen)
         if seen.frame is not None and self._order.watch:
-            self.sight.look(seen.frame, self._order.watch)
+            frame = seen.frame._replace(time=seen.frame.time - self._leapt)
+            self.sight.look(frame, self._order.watch)
             if self.state in BALL_STATES and self._order.watch == "ball":
                 self.notes["approach"] = approach_to_ball(self)
         self._decide(seen)
@@ -261,9 +264,9 @@ class Autopilot:
             self._say("error", "no reading can be used")
         if not (now.fresh and isfinite(now.dt)):
             self.reckoning = now
-            self.now = now.time if isfinite(now.time) else self.now
+            self._keep_time(now.time)
             return
-        self.now = now.time
+        self._keep_time(now.time)
         self._motion = (now.pose - last.pose)[:2] / now.dt
         self._speed = float(hypot(*self._motion))
         if self.use_walls:
@@ -273,6 +276,15 @@ class Autopilot:
             now = now._replace(pose=pose)
         self.reckoning = now
         self.sight.remember(self.now, now.pose)
+
+    def _keep_time(self, time: float) -> None:
+        """The robot's clock is the match's, but where it leaps the match goes on."""
+        if not isfinite(time):
+            return
+        if 0.0 <= time - self._leapt - self.now <= LONGEST_PAUSE:
+            self.now = time - self._leapt
+        else:
+            self._leapt = time - self.now
 
     def _search_pose(self, pose: FloatArray, seen: Observation) -> FloatArray:
         """Lost: where else could these distances be?"""

@@ -22,6 +22,10 @@ from robocon_course.vision.locate import on_floor
 CAMERA = Camera()
 MEMORY = 60
 """So many poses are remembered, to know where a picture was taken."""
+UNPLACED = 0.1
+"""A picture so far in time from any known pose says nothing of places [s]."""
+LEAST_SIDE = 0.5
+"""Of a box [pixels]."""
 SAME = 0.13
 """Two sightings so near to each other are of one ball [m]; farther away they spread more."""
 RANGE = (0.12, 3.2)
@@ -168,10 +172,12 @@ class Sight:
         kind : {"ball", "silo"}
             Which network looks at it.
         """
-        if not self._poses or not isfinite(frame.time):
+        if not self._poses or not all(map(isfinite, (frame.time, frame.pan, frame.tilt))):
             return
-        pose = min(self._poses, key=lambda known: abs(known[0] - frame.time))[1]
-        found = self._detections(frame, kind)
+        time, pose = min(self._poses, key=lambda known: abs(known[0] - frame.time))
+        if abs(time - frame.time) > UNPLACED:
+            return
+        found = _possible(self._detections(frame, kind))
         self.frames += 1
         self.found = (kind, found)
         if len(found.scores):
@@ -263,6 +269,16 @@ class Sight:
                 since = max(before, time - UNSEEN, *self.their_balls[-1:])
                 self.their_balls += [0.5 * (since + time)] * new
             self.silos[silo] = filling
+
+
+def _possible(found: Detections) -> Detections:
+    """Without boxes that no picture can hold."""
+    boxes = np.asarray(found.boxes, float).reshape(-1, 4)
+    size = (CAMERA.width, CAMERA.height)
+    inside = ((boxes > (-size[0], -size[1]) * 2) & (boxes < (2 * size[0], 2 * size[1]) * 2)).all(1)
+    boxes = np.where(inside[:, None], boxes, 0.0)
+    inside &= (boxes[:, 2:] - boxes[:, :2] > LEAST_SIDE).all(1)
+    return found if inside.all() else Detections(*(column[inside] for column in found))
 
 
 def _expected_in(view: View, track: Track) -> bool:

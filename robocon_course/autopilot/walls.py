@@ -31,6 +31,8 @@ NOISE = 0.012
 """Of one reading, its rounding included: standard deviation [m]."""
 BLUR = 0.0015
 """More of it for each metre: what the cone of light sees beside the wall."""
+STALE = 0.1
+"""A reading that is older, or from the future, is left alone [s]."""
 NEAR, FAR = 0.13, 4.2
 """Readings outside of this are left alone [m]."""
 SQUARE = 0.4
@@ -187,7 +189,7 @@ def correct(
         should = expected_readings(pose)
         moved = [x, y]
         for j, (mount, reading) in enumerate(zip(LIDARS, seen.lidar, strict=False)):
-            if not reading.time > times[j]:
+            if reading.time == times[j] or not abs(seen.time - reading.time) <= STALE:
                 continue
             times[j] = reading.time
             distance, square = should[j].tolist()

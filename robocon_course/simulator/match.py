@@ -130,7 +130,7 @@ class Match:
                      for name, w in zip(STREAMS, words, strict=True)}  # fmt: skip
         self.team, self.seed, self.faults = team, seed, tuple(faults)
         self.referee = Referee({"red": "R", "blue": "B"}[team])
-        self.robot = Simulator(model, sensors=_slipping(sensors, faults), start=START)
+        self.robot = Simulator(model, sensors=sensors, start=START)
         self._noise_seed = int(self._rng["sensors"].integers(1 << 31))
         self.robot.reset(self._noise_seed)
         pile = self._rng["pile"].permutation([team] * 6 + ["purple"] * 10)
@@ -182,6 +182,7 @@ class Match:
     def start(self) -> None:
         """The clock runs from now on."""
         self.started = self.robot.time
+        self.robot.sensors = _slipping(self.robot.sensors, self.faults, self.started)
         self._next_frame = self.robot.time
 
     def _put(self, pose: FloatArray) -> FloatArray:
@@ -429,10 +430,12 @@ HAPPENS: dict[str, Callable[[Match, FloatArray], bool]] = {
 }
 
 
-def _slipping(sensors: SensorModel | None, faults: Sequence[Fault]) -> SensorModel:
-    """Sensors of which a dead wheel does not turn with the floor for a while."""
-    sensors = sensors or SensorModel()
-    gaps = tuple((0, f.start + 5.0, f.start + 5.0 + min(f.duration, 0.3))
+def _slipping(sensors: SensorModel, faults: Sequence[Fault], begin: float) -> SensorModel:
+    """Sensors of which a dead wheel does not turn with the floor for a while.
+
+    The match begins at ``begin`` [s] on the robot's clock.
+    """
+    gaps = tuple((0, begin + f.start, begin + f.start + min(f.duration, 0.3))
                  for f in faults if f.kind == "slip")  # fmt: skip
     return replace(sensors, encoder_gaps=(*sensors.encoder_gaps, *gaps)) if gaps else sensors
 
