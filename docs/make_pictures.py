@@ -6,7 +6,7 @@ Run from the top of the checkout: python docs/make_pictures.py
 from pathlib import Path
 
 from robocon_course import field, worlds
-from robocon_course.view import animate, pictures, png
+from robocon_course.view import animate, animate_match, pictures, png
 
 FOLDER = Path(__file__).parent / "pictures"
 
@@ -26,3 +26,7 @@ film = animate(
     markers={"goal": field.AREA_3_GOAL},
 )
 (FOLDER / "drive.gif").write_bytes(film.gif)
+
+match = animate_match(worlds.play_match(0, seed=7, with_balls=True))
+(FOLDER.parents[1] / "data" / "match" / "match.gif").write_bytes(match.gif)
+(FOLDER.parents[1] / "data" / "match" / "match.png").write_bytes(match.still)

@@ -58,6 +58,18 @@ show(
 )
 
 # %% [markdown]
+# This is what you will have built at the end: the robot plays by itself, from the pixels of its camera
+# and the ticks of its wheels. The film runs six times as fast as the match.
+
+# %%
+show(
+    pictures.match_film(),
+    "A whole match from above. The robot (white, its gripper a blue triangle) drives to Area 3, takes "
+    "red balls from among the purple ones and carries them one by one to the silos, until three of "
+    "them are full, with a red ball on top and two red ones or more: Mua Vang, the match is won.",
+)
+
+# %% [markdown]
 # The **map frame** has its origin in the corner on our outer side.
 # `x` points to the middle of the field, `y` towards Area 3, in metres.
 # Angles count anticlockwise from `x`, in radians.

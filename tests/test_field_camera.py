@@ -38,8 +38,9 @@ def test_on_the_slope_the_camera_tips_with_the_robot():
     # In the middle of the slope, looking down it: the floor falls by a tenth.
     eye, centre = FieldCamera(3), np.array([1.4, 9.8, 0.245])
     taken = eye.look((2.75, 10.0, pi), tilt=0.3, balls=[(centre, "blue")])
-    lens = np.array([2.75, 10.0, 0.2]) + np.array([-0.25, 0.0, -0.025]) + [-0.0418, 0.0, 0.4179]
-    T = looking(lens + [0.00125, 0.0, 0.000125], pi, 0.3 + np.arctan(0.1))
+    # A quarter metre down the slope, and 0.42 m upright on it.
+    down, up = np.array([-1.0, 0.0, -0.1]) / 1.01**0.5, np.array([-0.1, 0.0, 1.0]) / 1.01**0.5
+    T = looking(np.array([2.75, 10.0, 0.2]) + 0.25 * down + 0.42 * up, pi, 0.3 + np.arctan(0.1))
     at = Camera().pixels((centre - T[:3, 3]) @ T[:3, :3])
     middle = (taken.boxes[0, :2] + taken.boxes[0, 2:]) / 2
     np.testing.assert_allclose(middle, at, atol=1.5)

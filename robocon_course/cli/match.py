@@ -65,7 +65,7 @@ def match(
         if record is not None:
             from robocon_course.view.matches import animate_match
 
-            (record / "match.gif").write_bytes(animate_match(result))
+            (record / "match.gif").write_bytes(animate_match(result).gif)
     _told(result)
     if record is not None:
         console.print(f"log and animation: {escape(str(record))}", soft_wrap=True)

@@ -5,7 +5,8 @@ the plots of the chapters, ``field_picture`` the field with robots (``body``) an
 ``searching`` maps, ways and how a search went. ``seeing`` draws pictures with boxes and how good
 a detector is, ``looking`` films, places, and balls from above. ``comparison`` is the picture of a
 wrong answer, ``pictures`` the three big drawings, ``widgets`` the sliders, ``driving`` a robot
-under one's own hands, and ``dashboard`` the screen of a match's operator.
+under one's own hands, ``matches`` a match as film and figure, ``dashboard`` the screen of its
+operator, and ``playing`` a match in real time behind it.
 """
 
 from robocon_course.view.animation import animate
@@ -14,6 +15,7 @@ from robocon_course.view.canvas import figure, png, show
 from robocon_course.view.comparison import plot_counter_example
 from robocon_course.view.driving import drive
 from robocon_course.view.field_picture import OUR_HALF, WHOLE_FIELD, draw_field
+from robocon_course.view.matches import animate_match, match_twin, plot_match
 from robocon_course.view.motion import plot_modules, plot_paths, plot_pose_errors, plot_tracking
 from robocon_course.view.pictures import draw_plan, draw_robot, draw_system
 from robocon_course.view.plots import (
@@ -39,6 +41,7 @@ __all__ = [
     "WHOLE_FIELD",
     "RobotPicture",
     "animate",
+    "animate_match",
     "animate_search",
     "draw_field",
     "draw_plan",
@@ -48,10 +51,12 @@ __all__ = [
     "drive",
     "explore",
     "figure",
+    "match_twin",
     "plot_angles",
     "plot_counter_example",
     "plot_distribution",
     "plot_imu",
+    "plot_match",
     "plot_modules",
     "plot_path_errors",
     "plot_paths",
