@@ -9,7 +9,7 @@
 ===========  ==================================================================
 """
 
-from robocon_course.mission.balls import Approach, SeenBall, choose_ball
+from robocon_course.mission.balls import Approach, SeenBall, approach_from, choose_ball, is_clear
 from robocon_course.mission.robot import LIMITS, MISSION, RESETS, Facts, State, mission_table
 from robocon_course.mission.silos import (
     LETTERS,
@@ -57,9 +57,11 @@ __all__ = [
     "Transition",
     "Watch",
     "after",
+    "approach_from",
     "choose_ball",
     "choose_silo",
     "dead_ends",
+    "is_clear",
     "is_full",
     "is_stuck",
     "mermaid",
