@@ -13,10 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from robocon_course._arrays import CourseError
+from robocon_course.autopilot import Parts
 from robocon_course.field import BALL_DIAMETER, SILO_CAPACITY, SILOS
 from robocon_course.mission import Rhythm, SeenBall, is_full, order_b
 from robocon_course.robot import SIDE
+from robocon_course.simulator.match import Fault
 from robocon_course.simulator.referee import MATCH, MUA_VANG, OPPONENTS, Referee, plan
+from robocon_course.worlds.drive import REFERENCE
+from robocon_course.worlds.match import Play
 from robocon_course.worlds.student import Student, generator
 
 PRINTED: tuple[tuple[str, str], ...] = (
@@ -327,3 +331,58 @@ def tally(results: Sequence[BoardResult]) -> Season:
     won = sum(one.winner == "own" for one in results) - sum(best)
     lost = sum(one.winner == "theirs" for one in results)
     return Season(sum(best), won, lost, tuple(k for one in results for k in one.choices))
+
+
+# --- matches that are cut short -----------------------------------------------------------------
+
+
+class Opening(NamedTuple):
+    """The first balls of a match.
+
+    Attributes
+    ----------
+    ended : float  [s]
+        When the last of them was stored, or the time was up.
+    stored : int
+    history : tuple of (float, str, str)
+        Time [s], state and reason of each change of state.
+    events : tuple
+        What the referee wrote down of the own team.
+    """
+
+    ended: float
+    stored: int
+    history: tuple[tuple[float, str, str], ...]
+    events: tuple
+
+
+def opening(
+    student: Student = 0,
+    seed: int = 0,
+    *,
+    balls: int = 3,
+    faults: Sequence[Fault] = (),
+    parts: Parts = REFERENCE,
+) -> Opening:
+    """Play a match until so many balls are stored: to see what a fault costs.
+
+    Parameters
+    ----------
+    student : int or str
+    seed : int
+    balls : int
+    faults : sequence of Fault
+    parts : Parts
+
+    Returns
+    -------
+    Opening
+    """
+    play = Play(student, parts, seed, faults=faults)
+    play.start()
+    match, began = play.match, play.match.robot.time
+    while not match.over and match.referee.count("stored") < balls:
+        play.tick()
+    steps = [(float(s.time - began), str(s.target), s.reason) for s in play.pilot.history.steps]
+    own = tuple(event for event in match.referee.events if event.team == "own")
+    return Opening(float(match.clock), match.referee.count("stored"), tuple(steps), own)

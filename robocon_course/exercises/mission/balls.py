@@ -13,7 +13,7 @@ from robocon_course.exercises.model import Case, Exercise, Mistake
 from robocon_course.mission import Approach, SeenBall
 from robocon_course.mission.balls import DIRECTIONS, TURN_WEIGHT
 from robocon_course.worlds import Student
-from robocon_course.worlds.missions import STORAGE, some_balls
+from robocon_course.worlds.missions import STORAGE, Room, some_balls
 
 Fits = Callable[[float, float, float], bool]
 LONELY = SeenBall(1.8, 10.0, "red")
@@ -187,27 +187,35 @@ def _told(way: Any) -> Any:
     return way.ball.x, way.ball.y, round(remainder(float(way.heading), 2 * pi), 4)
 
 
-def _situation(rng: np.random.Generator, wrong: Callable[..., Any], team: str) -> tuple:
+TIGHT = Room(0.3, 3.3, 8.2, 10.7)
+"""There the robot often fits at one of the two places only."""
+IN_TIGHT = ("only the last place fits", "only the first place fits", "walls not minded")
+
+
+def _situation(
+    rng: np.random.Generator, wrong: Callable[..., Any], team: str, room: Room = STORAGE
+) -> tuple:
     """Balls and a pose where a wrong choice, and none by chance, is another one."""
     while True:
-        balls = some_balls(rng, int(rng.integers(5, 11)))
+        balls = some_balls(rng, int(rng.integers(5, 11)) if room is STORAGE else 3)
         pose = np.round([rng.uniform(1.0, 4.0), rng.uniform(9.0, 11.0), rng.uniform(-3.1, 3.1)], 3)
-        right = mission.choose_ball(balls, team, pose, STORAGE)
-        if right is None or _margin(right, balls, team, pose) < 1e-3:
+        right = mission.choose_ball(balls, team, pose, room)
+        if right is None:
             continue
-        other = wrong(balls, team, pose, STORAGE)
-        if other is None or _told(other) != _told(right):
-            return balls, team, pose, STORAGE
+        other = wrong(balls, team, pose, room)
+        apart = other is None or _told(other) != _told(right)
+        if apart and _margin(right, (balls, team, pose, room)) > 1e-3:
+            return balls, team, pose, room
 
 
-def _margin(best: Approach, balls: Sequence[SeenBall], team: str, pose: np.ndarray) -> float:
+def _margin(best: Approach, args: tuple) -> float:
     """By how much the second best way is dearer."""
 
     def price(way: Approach, pose: Sequence[float]) -> float:
         return inf if _told(way) == _told(best) else _price(way, pose)
 
-    second = _chosen(price=price)(balls, team, pose, STORAGE)
-    return inf if second is None else _price(second, pose) - _price(best, pose)
+    second = _chosen(price=price)(*args)
+    return inf if second is None else _price(second, args[2]) - _price(best, args[2])
 
 
 def _case(what: str, args: tuple) -> Case:
@@ -249,9 +257,10 @@ def _cases(student: Student, rng: np.random.Generator) -> list[Case]:
         ("no ball of the own colour", ([LONELY], "blue", pose, STORAGE)),
         ("an own ball in a corner, where the robot does not fit", (corner, "red", pose, STORAGE)),
     ]
-    for wrong in [wrong for _, wrong in WRONG.values()]:
-        team = "blue" if wrong is WRONG["always red"][1] else ("red", "blue")[int(rng.integers(2))]
-        rows.append(("balls of your own", _situation(rng, wrong, team)))
+    for name, (_, wrong) in WRONG.items():
+        team = "blue" if name == "always red" else ("red", "blue")[int(rng.integers(2))]
+        room = TIGHT if name in IN_TIGHT else STORAGE
+        rows.append(("balls of your own", _situation(rng, wrong, team, room)))
     return [_case(*row) for row in rows]
 
 
