@@ -24,7 +24,7 @@ FLOORS = (
     ("field",),
     ("beams", "imu", "odometry", "swerve", "planning", "tracking", "vision", "mission"),
     ("robot",),
-    ("simulator", "autopilot"),
+    ("simulator", "autopilot", "logs"),
     ("worlds",),
     ("view",),
     ("answers", "recordings"),

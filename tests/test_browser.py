@@ -425,5 +425,33 @@ def test_an_operator_starts_a_robot_sees_it_move_and_sends_it_to_retry(page, add
     photograph(page, "11-half-width")
 
 
+PLAYED = """
+from robocon_course.robot import Bus
+from robocon_course.view.playing import play_live
+from robocon_course.worlds import Play
+
+screen = play_live(Play(seed=7, bus=Bus()), speed=2.0)
+"""
+
+
+def test_a_match_is_started_watched_and_sent_to_retry_from_the_operators_screen(
+    page, address, workspace
+):
+    page = page.context.new_page()
+    page.set_viewport_size({"width": 1280, "height": 800})
+    run_own(page, address, workspace, "play", PLAYED)
+    for command in ("application:toggle-left-area", "notebook:hide-cell-code"):
+        page.evaluate("one => { jupyterapp.commands.execute(one) }", command)
+    page.get_by_text("● connected").wait_for(timeout=120_000)
+    page.locator(".rc-bar").scroll_into_view_if_needed()
+    page.locator("button.jupyter-button", has_text="Start").click()
+    page.wait_for_function(BEYOND, arg=250)
+    assert page.locator(".rc-live").text_content().startswith("go_to_area_3")
+    photograph(page, "12-match")
+    page.locator("button.jupyter-button", has_text="Retry").click()
+    page.get_by_text("own: retry").wait_for()
+    photograph(page, "13-match-retried")
+
+
 def test_nothing_is_fetched_from_the_internet(chapter, hosts):
     assert hosts - {None} == {HOST}

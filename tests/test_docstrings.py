@@ -18,7 +18,17 @@ MODULES = [info.name for info in pkgutil.walk_packages(robocon_course.__path__, 
 # What students and their robots call; there every argument has its shape and unit in words.
 ROOMS = (
     *("geometry", "gridmap", "drivetrain", "raycast", "field", "imu", "odometry", "swerve"),
-    *("planning", "tracking", "robot", "simulator", "autopilot", "recordings"),
+    *(
+        "planning",
+        "tracking",
+        "robot",
+        "simulator",
+        "autopilot",
+        "logs.writer",
+        "logs.reader",
+        "logs.replay",
+        "recordings",
+    ),
 )
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from robocon_course import field
 from robocon_course.simulator.camera import FieldCamera
-from robocon_course.vision.camera import Camera, camera_pose
+from robocon_course.vision.camera import Camera, camera_pose, looking
 
 POST = (4.2, 9.98, 0.0)
 """Where the robot looks for a silo."""
@@ -26,9 +26,20 @@ def test_the_pile_is_seen_from_the_slope_with_every_ball_in_its_colour():
 
 
 def test_a_ball_appears_where_the_cameras_geometry_says():
-    eye, centre = FieldCamera(3), np.array([1.5, 9.7, 0.245])
-    taken = eye.look((3.0, 10.0, pi), tilt=0.3, balls=[(centre, "blue")])
-    T = camera_pose((3.0, 10.0, pi), float(field.floor_height(3.0, 10.0)), tilt=0.3)
+    eye, centre = FieldCamera(3), np.array([1.9, 9.7, 0.245])
+    taken = eye.look((3.6, 10.0, pi), tilt=0.3, balls=[(centre, "blue")])
+    T = camera_pose((3.6, 10.0, pi), float(field.floor_height(3.6, 10.0)), tilt=0.3)
+    at = Camera().pixels((centre - T[:3, 3]) @ T[:3, :3])
+    middle = (taken.boxes[0, :2] + taken.boxes[0, 2:]) / 2
+    np.testing.assert_allclose(middle, at, atol=1.5)
+
+
+def test_on_the_slope_the_camera_tips_with_the_robot():
+    # In the middle of the slope, looking down it: the floor falls by a tenth.
+    eye, centre = FieldCamera(3), np.array([1.4, 9.8, 0.245])
+    taken = eye.look((2.75, 10.0, pi), tilt=0.3, balls=[(centre, "blue")])
+    lens = np.array([2.75, 10.0, 0.2]) + np.array([-0.25, 0.0, -0.025]) + [-0.0418, 0.0, 0.4179]
+    T = looking(lens + [0.00125, 0.0, 0.000125], pi, 0.3 + np.arctan(0.1))
     at = Camera().pixels((centre - T[:3, 3]) @ T[:3, :3])
     middle = (taken.boxes[0, :2] + taken.boxes[0, 2:]) / 2
     np.testing.assert_allclose(middle, at, atol=1.5)

@@ -142,6 +142,7 @@ class Autopilot:
         self._route: Route | None = None
         self._target: tuple[float, float, float] | None = None
         self._following: Following | None = None
+        self._tried = 0
         self._order, self._held, self._sought = Order(), False, -inf
         self._heading = float(self.reckoning.pose[2])
 
@@ -320,6 +321,7 @@ class Autopilot:
             stuck=bool(stuck),
             holding=bool(seen.holding),
             ball=notes.get("approach") is not None,
+            tried=self._tried,
             pushable=bool(self.sight.tracks),
             looked=bool(notes.get("looked")),
             silo=notes.get("silo") is not None,
@@ -343,6 +345,10 @@ class Autopilot:
             self.sight.forget_balls()
         if "pose" in resets and state is not State.RESET:
             self.walls = self.walls.doubted()
+        if state is State.TAKE_BALL:
+            self._tried += 1
+        elif state not in (State.DETECT_BALL, State.REVERSE):
+            self._tried = 0
         self._watch = Watch()
         self._route = self._target = self._following = None
         if self.history.steps:

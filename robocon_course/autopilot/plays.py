@@ -14,6 +14,7 @@ import numpy as np
 
 from robocon_course import field
 from robocon_course.autopilot.route import DriveLimits
+from robocon_course.field import BALL_DIAMETER
 from robocon_course.mission import Approach, SeenBall, State, is_full
 from robocon_course.mission.balls import LANE
 from robocon_course.robot import SIDE
@@ -49,11 +50,13 @@ FRESH = 6.0
 """A silo that was seen so lately counts as seen [s]."""
 OVERSHOOT = 0.10
 """The robot goes on so far past where the ball should be [m]."""
-FAST = DriveLimits(2.0, 2.0, 1.5, 2.5)
-TAKING = DriveLimits(0.5, 1.3, 1.0, 2.5)
+ACROSS = DriveLimits(2.0, 2.0, 1.5, 2.5)
+FAST = DriveLimits(2.6, 3.0, 1.5, 2.5)
+TAKING = DriveLimits(0.6, 2.0, 1.0, 2.5)
 PUSHING = DriveLimits(0.9, 2.0, 1.0, 2.5)
-STORING = DriveLimits(0.45, 0.8, 1.0, 2.5)
-"""Speeds of the source are 0.25 (ball), 0.45 (silo) and 0.9 m/s (pile)."""
+STORING = DriveLimits(0.8, 1.5, 1.0, 2.5)
+"""Over the ramps; in Area 3; to a ball; into the pile; to a silo. The source's robot takes 0.25 m/s
+to a ball, 0.45 to a silo and 0.9 into the pile."""
 
 
 class Order(NamedTuple):
@@ -104,7 +107,7 @@ def _stand(pilot: Autopilot) -> Order:
 
 
 def _to_area_3(pilot: Autopilot) -> Order:
-    return Order((*field.AREA_3_GOAL, 0.0))
+    return Order((*field.AREA_3_GOAL, 0.0), ACROSS)
 
 
 def _look_for_balls(pilot: Autopilot) -> Order:
@@ -143,15 +146,24 @@ def _take(pilot: Autopilot) -> Order:
     if way is None:
         return Order(watch="ball")
     if not pilot.notes.get("straight"):
-        pilot.notes["straight"] = pilot.near((*way.ready, way.heading), 0.05, 0.06)
+        pilot.notes["straight"] = pilot.near((*way.ready, way.heading), 0.07, 0.09)
         return Order((*way.ready, way.heading), watch="ball")
-    c, s = cos(way.heading), sin(way.heading)
-    end = way.take[0] + OVERSHOOT * c, way.take[1] + OVERSHOOT * s
+    end = _end(way)
     # The rollers take whatever comes: they turn only for the last bit of the way.
     close = pilot.near((*way.take, way.heading), 0.14, inf)
     pilot.notes["close"] = close or bool(pilot.notes.get("close"))
     intake = float(pilot.notes["close"] and not _other_at_rollers(way, pilot))
     return Order((*end, way.heading), TAKING, intake=intake, tilt=NEAR_TILT, watch="ball")
+
+
+def _end(way: Approach) -> tuple[float, float]:
+    """Where the way to a ball ends: a little farther, but not where the ball has a wall behind."""
+    c, s = cos(way.heading), sin(way.heading)
+    for over in (OVERSHOOT, 0.5 * OVERSHOOT, 0.01):
+        end = way.take[0] + over * c, way.take[1] + over * s
+        if fits(*end, way.heading, BALL_DIAMETER - 0.015):
+            break
+    return end
 
 
 def _search_silo(pilot: Autopilot) -> Order:
@@ -187,7 +199,7 @@ def _approach(pilot: Autopilot) -> Order:
     pilot.notes["full"] = is_full(pilot.sight.silos[silo])
     before = (BEFORE_SILO, y, 0.0)
     if not pilot.notes.get("before"):
-        pilot.notes["before"] = pilot.near(before, 0.02, 0.03)
+        pilot.notes["before"] = pilot.near(before, 0.06, 0.06)
         watch = "silo" if pilot.pose[0] < 4.95 else ""
         return Order(before, tilt=SILO_TILT, watch=watch)
     at = (AT_SILO, y, 0.0)
@@ -268,8 +280,7 @@ def approach_to_ball(pilot: Autopilot) -> Approach | None:
         ready=(way.ready[0] + shift[0], way.ready[1] + shift[1]),
         take=(way.take[0] + shift[0], way.take[1] + shift[1]),
     )
-    end = (way.take[0] + OVERSHOOT * cos(way.heading), way.take[1] + OVERSHOOT * sin(way.heading))
-    return way if fits(*end, way.heading, CLOSE) else None  # it rolled to a wall
+    return way if fits(*_end(way), way.heading, CLOSE) else None  # it rolled to a wall
 
 
 def _other_at_rollers(way: Approach, pilot: Autopilot) -> bool:

@@ -51,6 +51,13 @@ SURE = 0.003
 """So sure of both coordinates, a reset is done [m]."""
 LOST_AFTER = 0.6
 """So long no reading fits, and the robot is lost [s]."""
+CANDIDATES = 30
+"""Of all places that are tried when lost, so many are looked at closely."""
+FITS, CLEARLY = 0.04, 0.02
+"""A place fits when its readings are off by no more than this in the mean [m], and clearly when
+every other place is off by so much more."""
+LOUD = 0.03
+"""A surface that brings back so much light (cosine through distance squared) is always heard."""
 _MOUNTS = np.array([(m.x, m.y, LIDAR_HEIGHT, m.angle) for m in LIDARS])
 _HALF = 0.5 * np.radians(3.6)
 _RAYS = SPOT * (_HALF, _HALF, 1.0)
@@ -278,26 +285,38 @@ def found_again(
     theta = float(pose[2])
     if np.isfinite(heard).sum() < 2 or abs(remainder(theta, pi / 2)) > ASLANT:
         return None
-    places = []
-    for x in np.arange(0.5, 5.5, step):
-        for y in np.arange(8.5, 11.55, step):
-            places.append((_misfit(expected_readings((x, y, theta)), heard), x, y))
-    places.sort()
-    worst, x, y = places[0]
-    for _ in range(12):  # and then along the beams
+    places = sorted(
+        (_misfit(expected_readings((x, y, theta)), heard), x, y)
+        for x in np.arange(0.5, 5.5, step)
+        for y in np.arange(8.5, 11.55, step)
+    )
+    found = sorted(_slid(x, y, theta, heard) for _, x, y in places[:CANDIDATES])
+    least, x, y = found[0]
+    others = [misfit for misfit, ox, oy in found if hypot(ox - x, oy - y) > 0.3]
+    clear = least < FITS and min(others, default=inf) > least + CLEARLY
+    return np.array([x, y, theta]) if clear else None
+
+
+def _slid(x: float, y: float, theta: float, heard: FloatArray) -> tuple[float, float, float]:
+    """A place, moved along the beams to where they fit; how badly they then do comes first."""
+    for _ in range(12):
         should = expected_readings((x, y, theta))
         for j, mount in enumerate(LIDARS):
             if np.isfinite(heard[j]) and should[j, 1] > SQUARE and heard[j] < FAR:
                 angle = theta + mount.angle
                 residual = float(np.clip(heard[j] - should[j, 0], -0.1, 0.1))
                 x, y = x - 0.5 * residual * cos(angle), y - 0.5 * residual * sin(angle)
-    worst = _misfit(expected_readings((x, y, theta)), heard)
-    return np.array([x, y, theta]) if worst < 0.06 else None
+    return _misfit(expected_readings((x, y, theta)), heard), x, y
 
 
 def _misfit(should: FloatArray, heard: FloatArray) -> float:
-    """How badly readings fit a place: the mean distance that each is off, at most half a metre."""
-    known = np.isfinite(heard) & (should[:, 1] > 0.5)
-    if known.sum() < 2:
-        return inf
-    return float(np.minimum(np.abs(should[known, 0] - heard[known]), 0.5).mean())
+    """How badly readings fit a place: the mean distance that each is off, at most half a metre.
+
+    All of them count, floors too, and a wall that should be heard and is not: a place may not fit
+    because little is to be heard there.
+    """
+    distance, square = should.T
+    loud = square > LOUD * distance**2
+    off = np.minimum(np.abs(distance - heard), 0.5)
+    silent = np.where(loud, 0.5, 0.0)
+    return float(np.where(np.isfinite(heard), np.where(distance > 0.0, off, 0.5), silent).mean())

@@ -88,6 +88,7 @@ def season(
     scheduler: Annotated[
         str | None, typer.Option(help='A Dask cluster, such as "tcp://host:8786".')
     ] = None,
+    patience: Annotated[float, typer.Option(help="Seconds to wait for that cluster.")] = 20.0,
 ) -> None:
     """Let the robot play many matches, on all cores, and count.
 
@@ -103,7 +104,7 @@ def season(
         console.print(f"Robot of student {number}, parts: {escape(parts().label)}")
         warm_up(console.print)
         settings = _settings(opponent, team, strategy) | {"drawn": camera}
-        with _mapping(workers, scheduler) as run, progress("playing", seeds) as done:
+        with _mapping(workers, scheduler, patience) as run, progress("playing", seeds) as done:
             results = worlds.season(
                 range(first, first + seeds), number, parts, run=run,
                 on_match=lambda result: done(f"seed {result.seed}"), **settings,
@@ -207,7 +208,7 @@ def _recording(folder: Path | None, bus: object) -> Iterator[None]:
 
 
 @contextmanager
-def _mapping(workers: int | None, scheduler: str | None) -> Iterator[Callable]:
+def _mapping(workers: int | None, scheduler: str | None, patience: float) -> Iterator[Callable]:
     """What maps the matches: the cores of this machine, or a cluster."""
     if scheduler is None:
         from concurrent.futures import ProcessPoolExecutor
@@ -223,5 +224,11 @@ def _mapping(workers: int | None, scheduler: str | None) -> Iterator[Callable]:
         from distributed import Client
     except ImportError:
         raise CourseError('--scheduler needs Dask: pip install -e ".[scale]"') from None
-    with Client(scheduler) as client:
-        yield lambda work, items: (f.result() for f in client.map(work, items, pure=False))
+    try:
+        client = Client(scheduler, timeout=patience)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise CourseError(
+            f"--scheduler: no Dask scheduler answers at {scheduler} ({error})"
+        ) from None
+    with client:
+        yield lambda work, items: (one.result() for one in client.map(work, items, pure=False))

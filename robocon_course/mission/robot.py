@@ -61,6 +61,8 @@ class Facts(NamedTuple):
         A ball is in the gripper.
     ball : bool
         An own ball is known that can be come at.
+    tried : int
+        So often in a row a ball was driven to and not taken, without a look from elsewhere.
     pushable : bool
         There are balls to push apart.
     looked : bool
@@ -84,6 +86,7 @@ class Facts(NamedTuple):
     stuck: bool = False
     holding: bool = False
     ball: bool = False
+    tried: int = 0
     pushable: bool = False
     looked: bool = False
     silo: bool = False
@@ -91,6 +94,10 @@ class Facts(NamedTuple):
     released: bool = False
 
 
+LOOK = 0.35
+"""So long the robot looks before it decides for a ball [s]."""
+MOST_TRIES = 4
+"""After so many it looks from elsewhere."""
 S = State
 LIMITS: dict[State, tuple[float, State]] = {
     S.GO_TO_AREA_3: (40.0, S.STUCK),
@@ -113,7 +120,7 @@ RESETS: dict[State, tuple[str, ...]] = {
     S.RESET: ("pose", "balls", "silos"),
     S.GO_TO_AREA_3: ("target",),
     S.LIDAR_RESET: ("pose",),
-    S.DETECT_BALL: ("balls", "target"),
+    S.DETECT_BALL: ("target",),
     S.SEARCH_BALL: ("views", "target"),
     S.PUSH_PILE: ("target",),
     S.REVERSE: ("target", "balls"),
@@ -159,7 +166,8 @@ MISSION: tuple[Transition, ...] = (
     Transition(S.GO_TO_AREA_3, S.LIDAR_RESET, lambda f: f.arrived, "arrived, and the LiDAR agrees"),
     *_as_it_stands(S.LIDAR_RESET, lambda f: f.reset_done, "pose measured"),
     Transition(S.DETECT_BALL, S.SEARCH_SILO, lambda f: f.holding, "a ball is in the gripper"),
-    Transition(S.DETECT_BALL, S.TAKE_BALL, lambda f: f.ball, "own ball seen"),
+    Transition(S.DETECT_BALL, S.SEARCH_BALL, lambda f: f.tried >= MOST_TRIES, "tried too often"),
+    Transition(S.DETECT_BALL, S.TAKE_BALL, lambda f: f.ball and f.waited > LOOK, "own ball seen"),
     Transition(S.DETECT_BALL, S.GO_TO_AREA_3, lambda f: not f.in_area_3, "not in Area 3"),
     Transition(S.DETECT_BALL, S.SEARCH_BALL, lambda f: f.waited > 0.7, "no own ball in sight"),
     Transition(S.SEARCH_BALL, S.SEARCH_SILO, lambda f: f.holding, "a ball is in the gripper"),

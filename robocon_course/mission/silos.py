@@ -28,6 +28,8 @@ AHEAD = 5
 """How many balls the better order looks ahead after its own."""
 MOMENTS = ((0.25, -1.2), (0.5, 0.0), (0.25, 1.2))
 """Weight, and how much later than expected they come, in spreads."""
+WIN, SOONER = 2.0, 0.02
+"""What a win counts beside any position, and how much more for each ball sooner."""
 CHANCES = {
     "": (0.40, 0.40), "o": (0.55, 0.30), "t": (0.30, 0.55), "oo": (0.60, 0.0), "tt": (0.0, 0.60),
     "ot": (0.45, 0.45), "to": (0.45, 0.45),
@@ -192,7 +194,8 @@ def _outlook(fillings: tuple[str, ...], turns: str, own: str, theirs: str) -> fl
     """How good a position is for us, if both go on as well as they know."""
     won = winner(fillings)
     if won:
-        return 2.0 if won == own else -2.0
+        soon = WIN + SOONER * len(turns)
+        return soon if won == own else -soon
     places = [k for k in range(len(fillings)) if not is_full(fillings[k])]
     if not turns or not places:
         return _chance(fillings, own, theirs)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import hypot, isfinite
 from typing import NamedTuple
 
 from robocon_course._arrays import FloatArray
@@ -51,7 +52,7 @@ def is_stuck(watch: Watch, now: float, pose: FloatArray, ordered: float) -> tupl
     x, y = float(pose[0]), float(pose[1])
     if not ordered > ORDERED:
         return Watch(), False
-    moved = (x - watch.x) ** 2 + (y - watch.y) ** 2
-    if watch.since == float("inf") or not moved <= LEAST**2:
+    moved = hypot(x - watch.x, y - watch.y)
+    if not isfinite(watch.since) or not moved <= LEAST:
         return Watch(now, x, y), False
     return watch, now - watch.since > WINDOW

@@ -166,6 +166,21 @@ def _keep_in(xy, velocity, i):
             velocity[i, axis] = -BOUNCE * abs(velocity[i, axis])
 
 
+def floor_under(xy: FloatArray) -> FloatArray:
+    """Height of the floor under balls, all of them north of the water [m].
+
+    Parameters
+    ----------
+    xy : ndarray, shape (n, 2)  [m, map]
+
+    Returns
+    -------
+    ndarray, shape (n,)  [m above the ground under the stage]
+    """
+    climb = SIDE_SLOPE.slope[0] * (xy[:, 0] - SIDE_SLOPE.x0)
+    return SIDE_SLOPE.height + np.clip(climb, 0.0, SIDE_SLOPE.slope[0])
+
+
 class Balls:
     """All balls of one team's Area 3 and Storage Zone.
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from robocon_course import field
 from robocon_course._arrays import FloatArray
@@ -41,7 +42,10 @@ class Mistakes(NamedTuple):
 _ANGLES = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
 # Points of a disc: its rim, and a ring inside it.
 _DISC = np.vstack([np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)]) * r for r in (1.0, 0.55)])
-_CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (0, 1)], float)
+# And of a cylinder: its foot and its top.
+_CYLINDER = np.array([(np.cos(a), np.sin(a), z) for a in _ANGLES for z in (0.0, 1.0)])
+AHEAD = 0.3
+"""Nothing nearer before the lens is seen [m]."""
 LEAST_SEEN = 0.15
 """Of a thing of which less is seen nothing is said."""
 
@@ -70,29 +74,14 @@ def balls_seen(
     Detections
     """
     away = (np.asarray(centres, float).reshape(-1, 3) - T_map_camera[:3, 3]) @ T_map_camera[:3, :3]
-    ahead = np.flatnonzero(away[:, 2] > 0.3)
-    away = away[ahead[np.argsort(away[ahead, 2], kind="stable")]]
-    order = ahead[np.argsort(
-        (np.asarray(centres)[ahead] - T_map_camera[:3, 3]) @ T_map_camera[:3, 2], kind="stable"
-    )] if len(ahead) else ahead  # fmt: skip
-    points = _project(camera, _outlines(away))
-    width, height = camera.width, camera.height
-    inside = ((points > 0) & (points < (width, height))).all(axis=-1)
-    middle, rim = points.mean(axis=1), points[:, : len(_ANGLES)]
-    radius = 0.5 * np.ptp(rim[..., 0], axis=1)
-    boxes, ids, shares = [], [], []
-    for k, ball in enumerate(order):
-        if not inside[k].any():
-            continue
-        gap = np.linalg.norm(points[k][:, None] - middle[None, :k], axis=-1)
-        seen = inside[k] & (gap > radius[None, :k]).all(axis=1)
-        share = np.count_nonzero(seen) / len(seen)
-        if share < LEAST_SEEN:
-            continue
-        shown = points[k][seen]
-        boxes.append(np.r_[shown.min(axis=0), shown.max(axis=0)])
-        ids.append(BALLS.index(colours[ball]))
-        shares.append(share)
+    order = np.argsort(away[:, 2], kind="stable")
+    order = order[away[order, 2] > AHEAD]
+    points = _project(camera, _outlines(away[order]))
+    framed, seen = np.empty((len(order), 4)), np.empty(len(order))
+    frame_seen(points, len(_ANGLES), float(camera.width), float(camera.height), framed, seen)
+    kept = np.flatnonzero(seen >= LEAST_SEEN)
+    boxes, shares = list(framed[kept]), seen[kept].tolist()
+    ids = [BALLS.index(colours[order[k]]) for k in kept]
     return _told(camera, boxes, ids, shares, len(BALLS), rng, mistakes)
 
 
@@ -122,9 +111,9 @@ def silos_seen(
     for (x, y), filling in zip(field.SILOS, fillings, strict=True):
         tall = field.SILO_HEIGHT + (0.135 if len(filling) == 3 else 0.0)
         half = 0.5 * field.SILO_DIAMETER
-        corners = _CORNERS * (half, half, tall) + (x, y, field.SILO_ZONE.height)
-        away = (corners - T_map_camera[:3, 3]) @ T_map_camera[:3, :3]
-        if away[:, 2].min() < 0.3:
+        outline = _CYLINDER * (half, half, tall) + (x, y, field.SILO_ZONE.height)
+        away = (outline - T_map_camera[:3, 3]) @ T_map_camera[:3, :3]
+        if away[:, 2].min() < AHEAD:
             continue
         points = _project(camera, away[None])[0]
         box = np.r_[points.min(axis=0), points.max(axis=0)]
@@ -136,6 +125,49 @@ def silos_seen(
         ids.append(SILOS.index(filling))
         shares.append(share)
     return _told(camera, boxes, ids, shares, len(SILOS), rng, mistakes)
+
+
+@njit(cache=True)
+def frame_seen(points, rim, width, height, boxes, shares):
+    """Boxes around the seen points of things that stand one behind the other.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, k, 2)  [pixels]
+        Of each thing, the nearest first; the first `rim` of the k lie on its outline.
+    rim : int
+    width, height : float  [pixels]
+        Of the picture.
+    boxes : ndarray, shape (n, 4)
+        Filled: left, top, right, bottom.
+    shares : ndarray, shape (n,)
+        Filled: how many of a thing's points are seen.
+    """
+    count, many = points.shape[0], points.shape[1]
+    middle, radius = np.zeros((count, 2)), np.zeros(count)
+    for i in range(count):
+        left, right = np.inf, -np.inf
+        for j in range(many):
+            middle[i, 0] += points[i, j, 0] / many
+            middle[i, 1] += points[i, j, 1] / many
+            if j < rim:
+                left, right = min(left, points[i, j, 0]), max(right, points[i, j, 0])
+        radius[i] = 0.5 * (right - left)
+        boxes[i, 0] = boxes[i, 1] = np.inf
+        boxes[i, 2] = boxes[i, 3] = -np.inf
+        seen = 0
+        for j in range(many):
+            x, y = points[i, j, 0], points[i, j, 1]
+            shown = 0.0 < x < width and 0.0 < y < height
+            for other in range(i):
+                dx, dy = x - middle[other, 0], y - middle[other, 1]
+                if dx * dx + dy * dy <= radius[other] ** 2:
+                    shown = False
+            if shown:
+                seen += 1
+                boxes[i, 0], boxes[i, 1] = min(boxes[i, 0], x), min(boxes[i, 1], y)
+                boxes[i, 2], boxes[i, 3] = max(boxes[i, 2], x), max(boxes[i, 3], y)
+        shares[i] = seen / many
 
 
 def _outlines(away: FloatArray) -> FloatArray:

@@ -358,7 +358,7 @@ class Match:
         kind, pan, tilt = self._command.watch, self.pan, self.tilt
         free = self.balls.free
         xy = self.balls.xy[free]
-        heights = field.floor_height(xy[:, 0], xy[:, 1]) + rolling.RADIUS
+        heights = rolling.floor_under(xy) + rolling.RADIUS
         centres = np.column_stack([xy, heights])
         colours = [self.balls.colours[k] for k in free]
         dark = self._now("dark")
