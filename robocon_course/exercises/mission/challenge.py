@@ -103,7 +103,7 @@ MY_STRATEGY = Exercise(
             "order A",
             "This plays as order A: it wins by points, and seldom by Mua Vang. Think of the third "
             "ball when you place the first.",
-            lambda fillings, team, y, rhythm: mission.order_a(fillings, team, y),
+            mission.order_a,
         ),
         Mistake(
             "spread evenly",
