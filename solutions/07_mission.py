@@ -259,9 +259,7 @@ for source, target in printed:
 met = reachable(printed, "start reset")
 unreached = {state for edge in printed for state in edge} - met
 show(
-    missions.draw_states(
-        printed, start="start reset", unreached=unreached, dead=met - cases
-    ),
+    missions.draw_states(printed, start="start reset", unreached=unreached, dead=met - cases),
     f"The printed mission. From the start {len(met)} states are reached, the last of them "
     f"{', '.join(met - cases)}, which has no case: there it stays for ever.",
 )
@@ -440,10 +438,14 @@ def draw_choice(x, y, turned, balls):
     pose = np.array([x, y, np.radians(turned)])
     way = choose_ball(pile, "red", pose, games.STORAGE)
     line = {} if way is None else {"mine": np.array([pose[:2], way.ready, way.take])}
-    rings = {c: np.array([(b.x, b.y) for b in pile if b.colour == c]) for c in "red blue purple".split()}
+    rings = {
+        c: np.array([(b.x, b.y) for b in pile if b.colour == c]) for c in "red blue purple".split()
+    }
     rings = {colour: xy for colour, xy in rings.items() if len(xy)}
     fig = draw_field(line, pose, markers=rings, window=(0.0, 5.0, 8.0, 12.0))
-    said = "none can be come at" if way is None else f"the one at ({way.ball.x:.2f}, {way.ball.y:.2f})"
+    said = (
+        "none can be come at" if way is None else f"the one at ({way.ball.x:.2f}, {way.ball.y:.2f})"
+    )
     return fig, f"{len(pile)} balls; of the red ones {said} is chosen."
 
 
@@ -764,7 +766,11 @@ my_strategy = check("mission.my_strategy")
 # %%
 rng = worlds.generator(student, "one more season")
 season = [games.board_game(rng, "middling") for _ in range(100)]
-for name, order in {"order A": choose_silo, "mine": my_strategy, "ahead": mission.choose_silo}.items():
+for name, order in {
+    "order A": choose_silo,
+    "mine": my_strategy,
+    "ahead": mission.choose_silo,
+}.items():
     one = games.tally(games.board_season(order, season))
     print(f"{name:8s} {one.mua_vang:3d} Mua Vang, {one.won:3d} by points: {one.score:.1f} of 100")
 

@@ -174,7 +174,9 @@ def draw_silos(boards: Mapping[str, Sequence[str]]) -> Figure:
             ax.plot([k - 0.36, k - 0.36, k + 0.36, k + 0.36], [3.2, 0, 0, 3.2], color=RAW, lw=1.2)
             for level, letter in enumerate(filling[:SILO_CAPACITY]):
                 ax.add_patch(Circle((k, level + 0.5), 0.33, color=BALL[letter]))
-                ax.text(k, level + 0.47, letter, color="white", ha="center", va="center", fontsize=8)
+                ax.text(
+                    k, level + 0.47, letter, color="white", ha="center", va="center", fontsize=8
+                )
         ax.set(xlim=(-0.6, len(fillings) - 0.4), ylim=(-0.1, 3.4), yticks=[], title=label)
         ax.set_xticks(range(len(fillings)), [str(k + 1) for k in range(len(fillings))])
         ax.set_aspect("equal")

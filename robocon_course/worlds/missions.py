@@ -1,4 +1,4 @@
-"""What chapter 07 is tried with: guards and rooms as data, silos, balls, a listing, board games.
+"""What chapter 07 is tried with: silos, balls, a room, a listing, board games.
 
 A *board game* is a match without robots: both teams' balls arrive at seeded times, each team only
 says which silo they go to. It takes a millisecond, so that a strategy can be tried on a season.
@@ -7,7 +7,7 @@ says which silo they go to. It takes a millisecond, so that a strategy can be tr
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import cos, inf, sin
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from robocon_course._arrays import CourseError
 from robocon_course.autopilot import Parts
 from robocon_course.field import BALL_DIAMETER, SILO_CAPACITY, SILOS
-from robocon_course.mission import Rhythm, SeenBall, is_full, order_b
+from robocon_course.mission import Rhythm, Room, SeenBall, is_full, order_b
 from robocon_course.robot import SIDE
 from robocon_course.simulator.match import Fault
 from robocon_course.simulator.referee import MATCH, MUA_VANG, OPPONENTS, Referee, plan
@@ -49,46 +49,7 @@ PRINTED_CASES: tuple[str, ...] = tuple(source for source, _ in PRINTED)
 """States for which the listing has a case."""
 
 
-class Fact(NamedTuple):
-    """A guard as data: one of the facts is as wanted.
-
-    Attributes
-    ----------
-    name : str
-        Of a field of `mission.Facts`.
-    wanted : bool
-    """
-
-    name: str
-    wanted: bool = True
-
-    def __call__(self, facts: object) -> bool:
-        """Whether it is so."""
-        return bool(getattr(facts, self.name)) == self.wanted
-
-
-class Room(NamedTuple):
-    """A rectangle that the robot's square has to stay in.
-
-    Attributes
-    ----------
-    x0, x1, y0, y1 : float  [m, map]
-    """
-
-    x0: float
-    x1: float
-    y0: float
-    y1: float
-
-    def __call__(self, x: float, y: float, heading: float) -> bool:
-        """Whether the square fits there, turned by a heading [m, m, rad]."""
-        reach = 0.5 * SIDE * (abs(cos(heading)) + abs(sin(heading)))
-        return (
-            self.x0 + reach <= x <= self.x1 - reach and self.y0 + reach <= y <= self.y1 - reach
-        )
-
-
-STORAGE = Room(0.3, 4.9, 8.2, 11.8)
+STORAGE = Room(0.3, 4.9, 8.2, 11.8, SIDE)
 """Where balls are taken."""
 
 

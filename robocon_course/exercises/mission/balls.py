@@ -10,10 +10,10 @@ import numpy as np
 
 from robocon_course import mission
 from robocon_course.exercises.model import Case, Exercise, Mistake
-from robocon_course.mission import Approach, SeenBall
+from robocon_course.mission import Approach, Room, SeenBall
 from robocon_course.mission.balls import DIRECTIONS, TURN_WEIGHT
 from robocon_course.worlds import Student
-from robocon_course.worlds.missions import STORAGE, Room, some_balls
+from robocon_course.worlds.missions import STORAGE, some_balls
 
 Fits = Callable[[float, float, float], bool]
 LONELY = SeenBall(1.8, 10.0, "red")
@@ -45,9 +45,7 @@ def _chosen(
 ) -> Callable[..., Any]:
     """The choice with one part wrong."""
 
-    def function(
-        balls: Sequence[SeenBall], team: str, pose: Sequence[float], fits: Fits
-    ) -> Any:
+    def function(balls: Sequence[SeenBall], team: str, pose: Sequence[float], fits: Fits) -> Any:
         best, least = None, inf
         for ball in balls:
             if not own(ball, team):
@@ -187,7 +185,7 @@ def _told(way: Any) -> Any:
     return way.ball.x, way.ball.y, round(remainder(float(way.heading), 2 * pi), 4)
 
 
-TIGHT = Room(0.3, 3.3, 8.2, 10.7)
+TIGHT = STORAGE._replace(x1=3.3, y1=10.7)
 """There the robot often fits at one of the two places only."""
 IN_TIGHT = ("only the last place fits", "only the first place fits", "walls not minded")
 

@@ -11,6 +11,7 @@ from robocon_course import mission
 from robocon_course.answers.process import Reply
 from robocon_course.exercises.model import Case, Exercise, Mistake, Score
 from robocon_course.mission import Rhythm
+from robocon_course.mission.silos import my_strategy
 from robocon_course.worlds import Student
 from robocon_course.worlds.missions import BoardGame, Season, board_game, board_season, tally
 
@@ -58,11 +59,6 @@ def _missing(case: Case, season: Season) -> float:
     """Share of the season's points that was not won [%]."""
     games: list[BoardGame] = case.args[0]
     return 100.0 * (1.0 - season.score / len(games))
-
-
-def my_strategy(fillings: Sequence[str], team: str, y: float, rhythm: Rhythm) -> int | None:
-    """The course's own answer: look ahead (`mission.choose_silo`)."""
-    return mission.choose_silo(fillings, team, y, rhythm)
 
 
 def _free(fillings: Sequence[str]) -> list[int]:

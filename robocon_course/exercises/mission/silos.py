@@ -106,8 +106,7 @@ WRONG: dict[str, tuple[str, Choose]] = {
         _by_order(gap=lambda k, y: abs(SILOS[k][1] - SILOS[2][1])),
     ),
     "silo 1 at the other end": (
-        "The silos are counted from the other end: field.SILOS[k][1] says where "
-        "silo k lies.",
+        "The silos are counted from the other end: field.SILOS[k][1] says where silo k lies.",
         _by_order(gap=lambda k, y: abs(SILOS[len(SILOS) - 1 - k][1] - y)),
     ),
     "the last of equals": (

@@ -1,4 +1,4 @@
-"""The table of states: the next row, what can be reached, what is a dead end; wrong ways to each."""
+"""The table of states: the next row, what is reached, what is a dead end; wrong ways to each."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ import numpy as np
 
 from robocon_course import mission
 from robocon_course.exercises.model import Case, Exercise, Mistake
-from robocon_course.mission import Facts, Transition
+from robocon_course.mission import Fact, Facts, Transition
 from robocon_course.worlds import Student
-from robocon_course.worlds.missions import Fact
 
 Edges = Iterable[tuple[str, str]]
 FACTS = ("arrived", "holding", "ball", "looked", "stuck", "full")
@@ -197,8 +196,7 @@ NEXT_TRANSITION = Exercise(
 def _some_edges(rng: np.random.Generator, count: int = 11, names: int = 10) -> list:
     letters = "abcdefghijklmnop"[:names]
     return [
-        (letters[int(rng.integers(names))], letters[int(rng.integers(names))])
-        for _ in range(count)
+        (letters[int(rng.integers(names))], letters[int(rng.integers(names))]) for _ in range(count)
     ]
 
 

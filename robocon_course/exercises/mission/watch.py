@@ -50,9 +50,7 @@ def _cases(student: Student, rng: np.random.Generator) -> list[Case]:
         ("nobody knows what it was told", held, began + 2.0, here, nan),
     ]
     return [
-        like_case(
-            what, mission.is_stuck, (watch, now, np.array(pose, float), ordered), _same, 1e-9
-        )
+        like_case(what, mission.is_stuck, (watch, now, np.array(pose, float), ordered), _same, 1e-9)
         for what, watch, now, pose, ordered in rows
     ]
 
@@ -64,7 +62,9 @@ def _stuck(
     stays: Callable[[float], bool] = lambda moved: moved <= LEAST,
     standing: Callable[[Watch], Told] = lambda watch: (Watch(), False),
     held: Callable[[Watch, float, float, float], Watch] = lambda watch, now, x, y: watch,
-    fresh: Callable[[Watch, float, float, float], Watch] = lambda watch, now, x, y: Watch(now, x, y),
+    fresh: Callable[[Watch, float, float, float], Watch] = lambda watch, now, x, y: Watch(
+        now, x, y
+    ),
     told: Callable[[float], bool] = lambda since: since > WINDOW,
     shown: Callable[[Watch, bool], Any] = lambda watch, stuck: (watch, stuck),
 ) -> Callable[..., Any]:
