@@ -10,12 +10,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, FancyBboxPatch
 from numpy.typing import ArrayLike
 
-from robocon_course.field import SILO_CAPACITY
+from robocon_course.field import BALL_DIAMETER, SILO_CAPACITY
+from robocon_course.mission import Approach, SeenBall
+from robocon_course.robot import SIDE
 from robocon_course.view.canvas import MINE, RAW, REFERENCE, TRUTH, WARN, XYZ, figure, styled
 from robocon_course.view.field_picture import draw_field
 
 BALL = {"R": "#C62828", "B": "#1565C0"}
 """Of the balls of both teams."""
+COLOURS = {"red": BALL["R"], "blue": BALL["B"], "purple": "#7B1FA2"}
 KINDS = {
     "drive": (REFERENCE, ("reset", "go_to_area_3", "back_to_storage")),
     "ball": (MINE, ("detect_ball", "search_ball", "push_ball_pile", "reverse", "take_ball")),
@@ -27,6 +30,8 @@ KINDS = {
 """Colour of each kind of state, and which states are of it."""
 WIDE, TALL = 1.62, 0.34
 """Of a box [inch]."""
+STEP = 2.15
+"""From one box to the next in its row [inch]."""
 
 
 def kind_of_state(state: str) -> str:
@@ -65,16 +70,17 @@ def draw_states(
     edges = list(dict.fromkeys((str(s), str(t)) for s, t in edges))
     names = list(dict.fromkeys([start, *(state for edge in edges for state in edge)]))
     rows = -(-len(names) // columns)
-    fig, ax = figure(7.6, 0.6 + 0.95 * rows)
+    fig, ax = figure(8.2, 0.5 + 0.88 * rows)
     places = {name: _place(k, columns) for k, name in enumerate(names)}
     dead, unreached = set(map(str, dead)), set(map(str, unreached))
-    for source, target in edges:
-        _arrow(ax, places[source], places[target], WARN if target in dead else "#777777")
+    boxes = {}
     for name, place in places.items():
         colour = WARN if name in dead else RAW if name in unreached else TRUTH
-        _box(ax, name, place, colour, thick=name == start, filled=name == live,
-             broken=name in unreached)  # fmt: skip
-    ax.set(xlim=(-1.0, 1.9 * columns - 0.9), ylim=(-0.95 * (rows - 1) - 0.55, 0.55))
+        boxes[name] = _box(ax, name, place, colour, filled=name == live, broken=name in unreached)
+        boxes[name].set_linewidth(2.8 if name == start else 1.4)
+    for source, target in edges:
+        _arrow(ax, boxes[source], boxes[target], places[source], places[target])
+    ax.set(xlim=(-1.0, STEP * columns - 1.2), ylim=(-0.95 * (rows - 1) - 0.5, 0.6))
     ax.set_aspect("equal")
     ax.axis("off")
     return fig
@@ -82,29 +88,37 @@ def draw_states(
 
 def _place(k: int, columns: int) -> tuple[float, float]:
     row, column = divmod(k, columns)
-    return 1.9 * (column if row % 2 == 0 else columns - 1 - column), -0.95 * row
+    return STEP * (column if row % 2 == 0 else columns - 1 - column), -0.95 * row
 
 
 def _box(
-    ax: Axes, name: str, place: tuple[float, float], colour: str, *, thick: bool, filled: bool,
-    broken: bool,
-) -> None:  # fmt: skip
+    ax: Axes, name: str, place: tuple[float, float], colour: str, *, filled: bool, broken: bool
+) -> FancyBboxPatch:
     x, y = place
     box = FancyBboxPatch(
         (x - WIDE / 2, y - TALL / 2), WIDE, TALL, boxstyle="round,pad=0.02,rounding_size=0.1",
-        facecolor="#FFB000" if filled else "white", edgecolor=colour, zorder=4,
-        linewidth=2.6 if thick else 1.4, linestyle="--" if broken else "-",
+        facecolor="#FFB000" if filled else "white", edgecolor=colour, zorder=3,
+        linestyle="--" if broken else "-",
     )  # fmt: skip
     ax.add_patch(box)
     words = {"ha": "center", "va": "center", "fontsize": 8, "zorder": 5}
     ax.text(x, y, name.replace("_", " "), color=TRUTH if filled else colour, **words)
+    return box
 
 
-def _arrow(ax: Axes, one: tuple[float, float], other: tuple[float, float], colour: str) -> None:
-    beside = abs(one[0] - other[0]) + abs(one[1] - other[1]) < 2.0
+def _arrow(
+    ax: Axes,
+    source: FancyBboxPatch,
+    target: FancyBboxPatch,
+    one: tuple[float, float],
+    other: tuple[float, float],
+) -> None:
+    """From the rim of one box to that of the other."""
+    beside = max(abs(one[0] - other[0]) / STEP, abs(one[1] - other[1]) / 0.95) < 1.1
     arrow = FancyArrowPatch(
-        one, other, arrowstyle="-|>", mutation_scale=9, color=colour, linewidth=0.9, alpha=0.8,
-        connectionstyle=f"arc3,rad={0.12 if beside else 0.18}", shrinkA=17, shrinkB=17, zorder=2,
+        one, other, arrowstyle="-|>", mutation_scale=11, color="#666666", linewidth=1.1,
+        connectionstyle=f"arc3,rad={0.10 if beside else 0.22}", patchA=source, patchB=target,
+        shrinkA=1, shrinkB=1, zorder=4,
     )  # fmt: skip
     ax.add_patch(arrow)
 
@@ -216,3 +230,41 @@ def draw_match(
         ax.plot(xy[:, 0], xy[:, 1], color=KINDS[kind][0], linewidth=2.0, label=kind, zorder=3)
     ax.legend(ncols=6, loc="lower left", bbox_to_anchor=(0.0, 1.0), handlelength=1.2)
     return fig
+
+
+@styled()
+def draw_choice(balls: Sequence[SeenBall], pose: ArrayLike, way: Approach | None) -> Figure:
+    """Balls in their colours in the Storage Zone and Area 3, the robot, and the way it takes.
+
+    Parameters
+    ----------
+    balls : sequence of SeenBall
+    pose : array_like, shape (3,)  [m, m, rad; map]
+    way : Approach or None
+
+    Returns
+    -------
+    Figure
+    """
+    pose = np.asarray(pose, float)
+    fig = draw_field(robot=pose, window=(0.0, 5.0, 8.0, 12.0))
+    ax = fig.axes[0]
+    for ball in balls:
+        colour = COLOURS[ball.colour]
+        ax.add_patch(Circle((ball.x, ball.y), BALL_DIAMETER / 2, facecolor=colour,
+                            edgecolor="white", linewidth=1.2, zorder=6))  # fmt: skip
+    if way is not None:
+        line = np.array([pose[:2], way.ready, way.take])
+        ax.plot(*line.T, color=MINE, linewidth=2.4, zorder=7)
+        ax.plot(*way.ready, "o", color="white", markeredgecolor=MINE, markersize=8, zorder=8)
+        ax.plot(*way.take, "o", color=MINE, markersize=8, zorder=8)
+        robot_at(ax, (*way.take, way.heading))
+    return fig
+
+
+def robot_at(ax: Axes, pose: Sequence[float]) -> None:
+    """The outline of the robot's body where it is going to be [m, m, rad; map]."""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    square = SIDE / 2 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1], [1, 1]])
+    corners = square @ np.array([[c, s], [-s, c]]) + np.asarray(pose[:2])
+    ax.plot(*corners.T, color=MINE, linewidth=1.4, linestyle="--", zorder=7)

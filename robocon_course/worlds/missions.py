@@ -164,7 +164,7 @@ class BoardResult(NamedTuple):
     choices: tuple[int, ...]
 
 
-FIRST, EVERY, VARY = 38.0, 13.0, 2.0
+FIRST, EVERY, VARY = 17.0, 9.5, 2.0
 """Our first ball, from one to the next, standard deviation [s]: a robot of this course."""
 BALLS = 12
 """Six from the pile, six that Robot 1 sends."""
@@ -185,7 +185,7 @@ def board_game(rng: np.random.Generator, opponent: str = "strong") -> BoardGame:
     if opponent not in OPPONENTS:
         raise CourseError(f"opponent: expected one of {', '.join(OPPONENTS)}, got {opponent!r}")
     other = OPPONENTS[opponent]
-    gaps = np.maximum(7.0, EVERY + VARY * rng.standard_normal(BALLS - 1))
+    gaps = np.maximum(6.0, EVERY + VARY * rng.standard_normal(BALLS - 1))
     ours = FIRST + np.concatenate([[0.0], np.cumsum(gaps)])
     theirs = [time for time, falls_in in plan(rng, other) if falls_in]
     return BoardGame(

@@ -46,7 +46,7 @@ def _play(ask: Callable[[tuple], Reply], args: tuple) -> Reply:
 
 def _cases(student: Student, rng: np.random.Generator) -> list[Case]:
     return [
-        Case(f"season {k}", ([board_game(rng, "middling") for _ in range(GAMES)],), judge=_form)
+        Case(f"season {k}", ([board_game(rng, "strong") for _ in range(GAMES)],), judge=_form)
         for k in (1, 2, 3)
     ]
 
@@ -83,7 +83,7 @@ MY_STRATEGY = Exercise(
         "robocon_course.mission.silos._outlook",
         "robocon_course.mission.silos._chance",
     ),
-    score=Score(_missing, "% of the points missing", ((28.0, 1.0), (55.0, 0.5))),
+    score=Score(_missing, "% of the points missing", ((34.0, 1.0), (52.0, 0.5))),
     hints=(
         "Order A fills mixed pairs as fast as it can, and wins by points. For Mua Vang three silos "
         "must become yours: what is a silo worth that is only begun?",
