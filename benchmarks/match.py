@@ -17,6 +17,7 @@ how often would a fair coin fall as unevenly?
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
@@ -318,6 +319,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--workers", type=int, default=1, help="processes")
     asked = parser.parse_args()
+    sys.stdout.reconfigure(line_buffering=True)  # a campaign takes its time
     seeds = list(range(asked.first, asked.first + asked.seeds))
     alone = asked.workers == 1
     pool = nullcontext() if alone else ProcessPoolExecutor(
