@@ -1,6 +1,6 @@
 """Plain data between the judge and the process that runs a student's code.
 
-Numbers, text, arrays, lists, tuples, dictionaries and the course's own result types pass.
+Numbers, text, arrays, lists, tuples, sets, dictionaries and the course's own result types pass.
 Anything else arrives as a ``Foreign`` that only says what it was: no object of a student ever
 comes to life beside the checks, so none can pretend to be equal to everything.
 """
@@ -62,6 +62,8 @@ def _pack(value: Any) -> Any:
     if isinstance(value, list | tuple):
         key = "list" if isinstance(value, list) else "tuple"
         return {key: [_pack(item) for item in value]}
+    if isinstance(value, set | frozenset):
+        return {"set": sorted((_pack(item) for item in value), key=repr)}
     if isinstance(value, dict) and all(isinstance(key, str) for key in value):
         return {"dict": _pack_all(value)}
     return {"foreign": [type(value).__name__, _short(value)]}
@@ -98,6 +100,8 @@ def _unpack(data: Any) -> Any:
         return [_unpack(item) for item in data["list"]]
     if "tuple" in data:
         return tuple(_unpack(item) for item in data["tuple"])
+    if "set" in data:
+        return {_unpack(item) for item in data["set"]}
     if "dict" in data:
         return {key: _unpack(item) for key, item in data["dict"].items()}
     if "type" in data:

@@ -286,10 +286,10 @@ def approach_to_ball(pilot: Autopilot) -> Approach | None:
 def _other_at_rollers(way: Approach, pilot: Autopilot) -> bool:
     """Whether a ball of another colour may come to the rollers."""
     c, s = cos(way.heading), sin(way.heading)
-    for other in pilot.sight.balls:
+    for other in pilot.sight.other_colours(pilot.team):
         dx, dy = other.x - pilot.pose[0], other.y - pilot.pose[1]
         ahead, aside = c * dx + s * dy, c * dy - s * dx
-        if other.colour != pilot.team and 0.2 < ahead < 0.56 and abs(aside) < LANE:
+        if 0.2 < ahead < 0.56 and abs(aside) < LANE:
             return True
     return False
 

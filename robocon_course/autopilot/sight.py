@@ -20,6 +20,10 @@ from robocon_course.vision.camera import camera_pose
 from robocon_course.vision.locate import on_floor
 
 CAMERA = Camera()
+_RADIUS = 0.5 * field.BALL_DIAMETER
+LOW = (_RADIUS, field.STORAGE_ZONE.y0 + _RADIUS)
+HIGH = (field.EDGE - _RADIUS, field.SIZE - _RADIUS)
+"""No ball's middle lies nearer to a wall of Area 3 and the Storage Zone [m, map]."""
 MEMORY = 60
 """So many poses are remembered, to know where a picture was taken."""
 UNPLACED = 0.1
@@ -28,6 +32,8 @@ LEAST_SIDE = 0.5
 """Of a box [pixels]."""
 SAME = 0.13
 """Two sightings so near to each other are of one ball [m]; farther away they spread more."""
+OTHER_COLOUR = 0.08
+"""A sighting of another colour counts as so much farther away [m]."""
 RANGE = (0.12, 3.2)
 """Balls nearer or farther than this are not looked for [m]."""
 VIEW = 0.46
@@ -67,7 +73,12 @@ class Track(NamedTuple):
     @property
     def ball(self) -> SeenBall:
         """As the mission takes it."""
-        return SeenBall(self.x, self.y, BALLS[self.votes.index(max(self.votes))])
+        return SeenBall(self.x, self.y, BALLS[self.colour])
+
+    @property
+    def colour(self) -> int:
+        """Its most likely class number."""
+        return self.votes.index(max(self.votes))
 
 
 class View(NamedTuple):
@@ -188,6 +199,10 @@ class Sight:
         else:
             self._see_silos(view, found, frame.time)
 
+    def other_colours(self, team: str) -> list[SeenBall]:
+        """All balls that are not the team's, those that were seen only once among them."""
+        return [ball for ball in (track.ball for track in self.tracks) if ball.colour != team]
+
     def stored(self, silo: int, letter: str) -> None:
         """The robot put a ball into a silo itself."""
         if len(self.silos[silo]) < field.SILO_CAPACITY:
@@ -222,6 +237,7 @@ class Sight:
                 height = min(float(field.floor_height(min(x, 3.3), 10.0)), 0.25)
                 sighting = self._located(box, view, height) or sighting
                 x, y = view.x + sighting.range * cos(angle), view.y + sighting.range * sin(angle)
+            x, y = min(max(x, LOW[0]), HIGH[0]), min(max(y, LOW[1]), HIGH[1])
             seen.append((x, y, sighting.range_sigma**2 + 1e-4, int(number), float(score)))
         self.tracks = _matched(self.tracks, seen, lambda t: _expected_in(view, t))
 
@@ -296,7 +312,7 @@ def _matched(
 ) -> list[Track]:
     """Tracks after one more picture: the nearest sighting goes to each, the rest are new."""
     pairs = sorted(
-        (hypot(t.x - s[0], t.y - s[1]), i, j)
+        (hypot(t.x - s[0], t.y - s[1]) + OTHER_COLOUR * (t.colour != s[3]), i, j)
         for i, t in enumerate(tracks)
         for j, s in enumerate(seen)
     )
@@ -324,7 +340,7 @@ def _updated(track: Track, sighting: tuple[float, float, float, int, float]) -> 
     x, y, variance, number, score = sighting
     before = track.variance + 0.02**2
     gain = before / (before + variance)
-    votes = tuple(0.75 * v + (score if k == number else 0.0) for k, v in enumerate(track.votes))
+    votes = tuple(0.5 * v + (score if k == number else 0.0) for k, v in enumerate(track.votes))
     return Track(
         track.x + gain * (x - track.x), track.y + gain * (y - track.y),
         (1.0 - gain) * before, votes, track.hits + 1, 0,

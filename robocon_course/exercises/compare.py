@@ -33,6 +33,8 @@ def difference(got: Any, expected: Any, atol: Tolerance, unit: str = "") -> str 
         return _fields(got, expected, fields, atol, unit)
     if isinstance(got, Foreign):
         return f"expected {kind_of(expected)}, got an object of type {got.type_name}"
+    if isinstance(expected, set):
+        return _set(got, expected)
     if isinstance(expected, tuple | list) and not _numeric(expected):
         return _sequence(got, expected, atol, unit)
     return _numbers(got, expected, atol, unit)
@@ -49,6 +51,8 @@ def shown(value: Any) -> str:
         return f"array of shape {value.shape}, first row {shown(value[0])}"
     if isinstance(value, np.ndarray | float | int) and not isinstance(value, bool):
         return np.array2string(np.asarray(value), precision=4, suppress_small=True, separator=", ")
+    if isinstance(value, set | frozenset):
+        return "{" + ", ".join(sorted(map(shown, value))) + "}"
     if isinstance(value, tuple | list):
         return "(" + ", ".join(shown(item) for item in value) + ")"
     return repr(value)[:80]
@@ -100,6 +104,19 @@ def _sequence(got: Any, expected: tuple | list, atol: float, unit: str) -> str |
     return None
 
 
+def _set(got: Any, expected: set) -> str | None:
+    """What is missing from a set, or too much."""
+    if not isinstance(got, set | frozenset):
+        return f"expected a set, got {kind_of(got)}"
+    if expected - got:
+        return f"{_members(expected - got)} missing"
+    return f"{_members(got - expected)} too much" if got - expected else None
+
+
+def _members(some: set) -> str:
+    return ", ".join(sorted(map(repr, some))) + (" is" if len(some) == 1 else " are")
+
+
 def _numbers(got: Any, expected: Any, atol: float, unit: str) -> str | None:
     if isinstance(expected, bool | str):
         same = isinstance(got, bool | str | np.ndarray) and np.all(got == expected)
@@ -149,7 +166,7 @@ def kind_of(value: Any) -> str:
         return f"an object of type {value.type_name}"
     if isinstance(value, np.ndarray):
         return f"an array of shape {value.shape}" if value.ndim else "a number"
-    if isinstance(value, bool | str | dict):
+    if isinstance(value, bool | str | dict | set | frozenset):
         return f"a {type(value).__name__}"
     if isinstance(value, int | float):
         return "a number"

@@ -52,6 +52,7 @@ def judge(exercise: Exercise, ask: Ask, student: Student = 0, salt: str = "publi
         Full points, or the first case that failed and the likely cause.
     """
     cases = exercise.cases(student, generator(student, exercise.id, salt))
+    ask = _played(exercise, ask)
     if exercise.score:
         return _judge_score(exercise, cases, ask)
     replies: list[Reply] = []
@@ -143,6 +144,12 @@ def ask_function(function: Callable[..., Any]) -> Ask:
     return ask
 
 
+def _played(exercise: Exercise, ask: Ask) -> Ask:
+    """How a whole case is asked: by one call, or by all the calls of a game."""
+    play = exercise.play
+    return ask if play is None else lambda args: play(ask, args)
+
+
 def _problem(exercise: Exercise, case: Case, reply: Reply) -> str | None:
     """What is wrong with the reply to one case, None if nothing."""
     if reply.error in STOPPED or reply.error in SPECIAL:
@@ -224,7 +231,7 @@ def _recognise(
     if len(replies) < len(cases):
         return None
     for mistake in exercise.mistakes:
-        ask = ask_function(mistake.function)
+        ask = _played(exercise, ask_function(mistake.function))
         if all(
             _alike(case, reply, ask(case.args)) for case, reply in zip(cases, replies, strict=True)
         ):

@@ -86,6 +86,9 @@ class Exercise:
     file : str
         Name of a file that is handed in beside the notebook, for the answer to open: weights that
         took too long to train to do it again.
+    play : callable, optional
+        ``play(ask, args) -> Reply``: for an answer that is asked more than once in a case, as a
+        strategy is in a game. Without it the answer is called with ``args``, once.
     """
 
     id: str
@@ -99,6 +102,7 @@ class Exercise:
     shortcuts: tuple[str, ...] = ()
     score: Score | None = None
     file: str = ""
+    play: Callable[[Callable[[tuple], Reply], tuple], Reply] | None = None
 
     @property
     def function_name(self) -> str:

@@ -8,7 +8,7 @@ import importlib
 
 from robocon_course.exercises.model import Chapter, Exercise, Number, UnknownExercise
 
-TOPICS = ("start", "imu", "odometry", "swerve", "planning", "tracking", "vision")
+TOPICS = ("start", "imu", "odometry", "swerve", "planning", "tracking", "vision", "mission")
 
 
 @functools.cache

@@ -6,10 +6,12 @@
 ``silos``    which silo to fill: two teams' orders, and a better one
 ``balls``    which ball to take, and from where
 ``watch``    whether the robot is stuck
+``plain``    guards and rooms as data
 ===========  ==================================================================
 """
 
-from robocon_course.mission.balls import Approach, SeenBall, choose_ball
+from robocon_course.mission.balls import Approach, SeenBall, approach_from, choose_ball, is_clear
+from robocon_course.mission.plain import Fact, Room
 from robocon_course.mission.robot import LIMITS, MISSION, RESETS, Facts, State, mission_table
 from robocon_course.mission.silos import (
     LETTERS,
@@ -46,10 +48,12 @@ __all__ = [
     "RESETS",
     "STRATEGIES",
     "Approach",
+    "Fact",
     "Facts",
     "History",
     "MissionError",
     "Rhythm",
+    "Room",
     "SeenBall",
     "State",
     "Step",
@@ -57,9 +61,11 @@ __all__ = [
     "Transition",
     "Watch",
     "after",
+    "approach_from",
     "choose_ball",
     "choose_silo",
     "dead_ends",
+    "is_clear",
     "is_full",
     "is_stuck",
     "mermaid",

@@ -88,16 +88,27 @@ def choose_ball(
         for k in range(DIRECTIONS):
             # Straight ahead first, then more and more to both sides.
             turn = (k + 1) // 2 * (2 * pi / DIRECTIONS) * (1 if k % 2 else -1)
-            way = _approach(ball, straight + turn)
+            way = approach_from(ball, straight + turn)
             price = hypot(way.ready[0] - pose[0], way.ready[1] - pose[1]) + TURN_WEIGHT * abs(
                 remainder(way.heading - pose[2], 2 * pi)
             )
-            if price < least and _is_clear(way, balls) and _fits(way, fits):
+            if price < least and is_clear(way, balls) and _fits(way, fits):
                 best, least = way, price
     return best
 
 
-def _approach(ball: SeenBall, heading: float) -> Approach:
+def approach_from(ball: SeenBall, heading: float) -> Approach:
+    """The last way to a ball, coming with a heading.
+
+    Parameters
+    ----------
+    ball : SeenBall
+    heading : float  [rad, map]
+
+    Returns
+    -------
+    Approach
+    """
     c, s = cos(heading), sin(heading)
     far = REACH + RUN_UP
     return Approach(
@@ -107,8 +118,19 @@ def _approach(ball: SeenBall, heading: float) -> Approach:
     )  # fmt: skip
 
 
-def _is_clear(way: Approach, balls: Sequence[SeenBall]) -> bool:
-    """Whether no other ball comes to the rollers before this one."""
+def is_clear(way: Approach, balls: Sequence[SeenBall]) -> bool:
+    """Whether no other ball comes to the rollers before this one.
+
+    Parameters
+    ----------
+    way : Approach
+    balls : sequence of SeenBall
+        All that are known; the one to take is among them.
+
+    Returns
+    -------
+    bool
+    """
     c, s = cos(way.heading), sin(way.heading)
     for other in balls:
         if other is way.ball:
