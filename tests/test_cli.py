@@ -501,6 +501,12 @@ def test_a_match_is_told_state_by_state_and_won_with_0(short):
     assert "✔ won by points after 20.0 s" in said and "1 balls stored, 0 fouls" in said
 
 
+@pytest.mark.parametrize("strategy", ["A", "B"])
+def test_a_match_is_played_with_another_order(short, strategy):
+    code, said = robocon("match", "--seed", "1", "--opponent", "none", "--strategy", strategy)
+    assert code == 0 and "1 balls stored" in said
+
+
 def test_a_match_that_is_not_won_ends_with_1(monkeypatch):
     monkeypatch.setattr("robocon_course.simulator.match.MATCH", 1.0)
     code, said = robocon("match", "--seed", "1")
