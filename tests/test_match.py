@@ -433,6 +433,21 @@ def test_after_a_retry_the_robot_begins_again_from_the_retry_zone_and_takes_a_ba
     assert {State.RESET, State.GO_TO_AREA_3, State.LIDAR_RESET, State.TAKE_BALL} <= states
 
 
+@pytest.mark.parametrize("y", [9.2, 9.6, 10.0])
+def test_a_ball_that_lies_against_the_fence_is_taken_at_the_first_try(y):
+    play = Play(seed=1, opponent=None)
+    play.start()
+    while play.match.clock < 10.0:
+        play.tick()
+    balls = play.match.balls
+    balls.place[:], balls.velocity[:] = OUT, 0.0
+    balls.xy[0], balls.place[0], balls.colours[0] = (rolling.RADIUS, y), FREE, "red"
+    while play.match.clock < 22.0 and balls.held < 0:
+        play.tick()
+    assert balls.held == 0
+    assert "missed" not in [step.reason for step in play.pilot.history.steps]
+
+
 def test_the_operator_starts_stops_and_retries():
     bus = Bus()
     play = Play(seed=1, bus=bus)

@@ -64,6 +64,8 @@ FIRST_BALL = 40.0
 """When the other team is expected to come first [s]."""
 STORING_TAKES = 4.0
 """From the choice of a silo to the ball in it [s]."""
+GRIPS = 0.4
+"""The rollers have so long for a ball before it counts as missed [s]."""
 SPEAKS = 400
 """So many lines of its log are kept."""
 BALL_STATES = (State.DETECT_BALL, State.SEARCH_BALL, State.TAKE_BALL, State.BACK_TO_STORAGE)
@@ -317,6 +319,7 @@ class Autopilot:
             arrived = arrived or (self.near((*field.AREA_3_GOAL, 0.0)) and self.waited > 25.0)
         if state is State.TAKE_BALL:
             arrived = arrived and bool(notes.get("close"))
+            arrived = arrived and self.now - notes.setdefault("there", self.now) > GRIPS
         released = bool(notes.get("let go")) and self._held and not seen.holding
         if released and state is State.APPROACH_SILO:
             self._stored.append(self.now)
