@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,7 @@ from robocon_course import field, robot
 from robocon_course._arrays import FloatArray
 from robocon_course.swerve import field_to_robot, module_targets
 from robocon_course.view._record import (
-    counts,
+    counts_for,
     fillings_at,
     holding,
     in_words,
@@ -140,7 +141,7 @@ class _Film:
         top = int(np.clip(scale.bottom - (middle + half) * PER_METRE, 0, len(floor) - HEIGHT))
         piece, here = floor[top : top + HEIGHT, :WIDTH].copy(), scale.moved(0, top)
         edges = np.searchsorted(self.result.time, now - TRAIL * np.linspace(1.0, 0.0, PIECES + 1))
-        for k, (first, last) in enumerate(zip(edges, edges[1:], strict=False), 1):
+        for k, (first, last) in enumerate(pairwise(edges), 1):
             if last - first > 0:
                 bare = piece.copy()
                 trace(piece, self.result.poses[first : last + 1, :2], here, self.own, 3)
@@ -187,11 +188,11 @@ class _Film:
         """The five silos as stacks of balls, each at the height of its silo in Area 3."""
         for k, filling in enumerate(fillings_at(self.result, now)):
             row = HEAD + (field.SIZE + field.FENCE_THICKNESS - field.SILOS[k][1]) * PER_METRE
-            good = counts(filling, self.letter)
+            good = counts_for(filling)
             box = [WIDTH + 21, row - 24, WIDTH + 41, row + 24]
-            rim = self.paints["own"] if good else RAW
+            rim = BALL.get(good, RAW)
             pen.rounded_rectangle(box, 4, "white", rim, 3 if good else 1)
-            pen.text((WIDTH + 10, row), str(k + 1), TRUTH, font(14, good), anchor="mm")
+            pen.text((WIDTH + 10, row), str(k + 1), TRUTH, font(14, bool(good)), anchor="mm")
             for level, letter in enumerate(filling):
                 _disc(pen, WIDTH + 31, row + 15 - 15 * level, 6, BALL[letter])
 

@@ -71,9 +71,13 @@ def stored_in(detail: str) -> tuple[int, str]:
     return int(number) - 1, filling
 
 
-def counts(filling: str, letter: str) -> bool:
-    """Whether a silo counts for Mua Vang: full, two own balls or more, an own one on top."""
-    return len(filling) == SILO_CAPACITY and filling[-1] == letter and filling.count(letter) > 1
+def counts_for(filling: str) -> str:
+    """For whose Mua Vang a silo counts: R, B or nothing.
+
+    It counts for the team whose ball is on top of the full silo, with two of that team or more.
+    """
+    top = filling[-1:]
+    return top if len(filling) == SILO_CAPACITY and filling.count(top) > 1 else ""
 
 
 def points_at(result: MatchResult, now: float) -> tuple[int, int]:

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from robocon_course import field
 from robocon_course.view._film import animate_match
 from robocon_course.view._record import (
-    counts,
+    counts_for,
     fillings_at,
     own_letter,
     points_at,
@@ -109,7 +109,7 @@ def _met(kinds: list[str]) -> list[str]:
 
 
 def _draw_silos(ax: Axes, result: MatchResult) -> None:
-    """Each ball stored as a mark; a ring where the silo counts for Mua Vang from then on."""
+    """Each ball stored as a mark; a ring where the silo counts from then on."""
     letter = own_letter(result)
     for k in range(len(field.SILOS)):
         ax.axhline(k + 1, color=RAW, linewidth=0.8, zorder=1)
@@ -118,7 +118,7 @@ def _draw_silos(ax: Axes, result: MatchResult) -> None:
             silo, filling = stored_in(event.detail)
             mark = {"color": BALL[filling[-1]], "marker": MARKS[event.team], "zorder": 3}
             ax.plot(event.time, silo + 1, markersize=8, **mark)
-            if counts(filling, letter):
+            if counts_for(filling):
                 ring = {"markersize": 15, "markerfacecolor": "none", "color": TRUTH, "zorder": 2}
                 ax.plot(event.time, silo + 1, "o", **ring)
     rest = "RB".replace(letter, "")
