@@ -17,6 +17,7 @@ how often would a fair coin fall as unevenly?
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
@@ -30,7 +31,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robocon_course.field import SILOS
-from robocon_course.mission import LIMITS, STRATEGIES, Rhythm, choose_silo, order_b
+from robocon_course.mission import LIMITS, STRATEGIES, Rhythm, order_b
 from robocon_course.simulator.match import KINDS, Fault
 from robocon_course.simulator.referee import MATCH, MUA_VANG, OPPONENTS, Referee, plan
 from robocon_course.worlds.match import MatchResult, Play, play_match, season
@@ -122,20 +123,13 @@ def board_game(strategy: str, seed: int, opponent: str = "strong") -> Referee:
     for now, who, falls_in in sorted(balls):
         if who == "own":
             rhythm = Rhythm(EVERY, last + team.every - now, team.every, team.spread)
-            silo = _chosen(strategy, referee.fillings, rhythm)
+            silo = STRATEGIES[strategy](referee.fillings, "red", SILOS[2][1], rhythm)
         else:
             silo, last = order_b(referee.fillings, "blue", SILOS[2][1]), now
         if silo is not None and falls_in and not referee.winner:
             referee.store(now, who, silo)
     referee.time_is_up(MATCH)
     return referee
-
-
-def _chosen(strategy: str, fillings: Sequence[str], rhythm: Rhythm) -> int | None:
-    y = SILOS[2][1]
-    if strategy == "ahead":
-        return choose_silo(fillings, "red", y, rhythm)
-    return STRATEGIES[strategy](fillings, "red", y)
 
 
 def mcnemar(ones: Sequence[bool], others: Sequence[bool]) -> float:
@@ -318,6 +312,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--workers", type=int, default=1, help="processes")
     asked = parser.parse_args()
+    sys.stdout.reconfigure(line_buffering=True)  # a campaign takes its time
     seeds = list(range(asked.first, asked.first + asked.seeds))
     alone = asked.workers == 1
     pool = nullcontext() if alone else ProcessPoolExecutor(

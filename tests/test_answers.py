@@ -98,7 +98,7 @@ def test_a_number_with_a_type_of_its_own_arrives_as_a_plain_number(value, plain)
     assert same(wire.loads(wire.dumps(value)), plain)
 
 
-@pytest.mark.parametrize("value", [Sly(), {1: 2}, {1, 2}, 1j, np.array([None, "x"]), sys])
+@pytest.mark.parametrize("value", [Sly(), {1: 2}, b"12", 1j, np.array([None, "x"]), sys])
 def test_anything_else_arrives_as_a_note_of_what_it_was(value):
     [came] = wire.loads(wire.dumps([value]))
     assert came.type_name == type(value).__name__

@@ -501,6 +501,12 @@ def test_a_match_is_told_state_by_state_and_won_with_0(short):
     assert "✔ won by points after 20.0 s" in said and "1 balls stored, 0 fouls" in said
 
 
+@pytest.mark.parametrize("strategy", ["A", "B"])
+def test_a_match_is_played_with_another_order(short, strategy):
+    code, said = robocon("match", "--seed", "1", "--opponent", "none", "--strategy", strategy)
+    assert code == 0 and "1 balls stored" in said
+
+
 def test_a_match_that_is_not_won_ends_with_1(monkeypatch):
     monkeypatch.setattr("robocon_course.simulator.match.MATCH", 1.0)
     code, said = robocon("match", "--seed", "1")
@@ -509,5 +515,6 @@ def test_a_match_that_is_not_won_ends_with_1(monkeypatch):
 
 def test_a_season_is_a_table_with_a_row_for_each_match_and_their_sums(short):
     code, said = robocon("season", "--seeds", "2", "--first", "1", "--workers", "1")
-    assert code == 0 and "2 matches" in said and "won 2 of 2, Mua Vang 0" in said
+    told = " ".join(said.replace("│", " ").split())  # a narrow terminal breaks the cells' lines
+    assert code == 0 and "2 matches" in told and "won 2 of 2," in told and "Vang 0" in told
     assert re.search(r"1 │ own, points │ 20 s", said) and re.search(r"2 │ own, points", said)

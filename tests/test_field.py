@@ -13,9 +13,11 @@ from scipy import ndimage
 
 from conftest import ROOT
 from robocon_course import field
+from robocon_course.field.standing import standing
 from robocon_course.files import data_file
 from robocon_course.gridmap import GridMap, inflate, load_map
 from robocon_course.raycast import walk
+from robocon_course.robot import MODULES
 
 
 def rects() -> list[field.Rect]:
@@ -465,3 +467,37 @@ def test_the_files_are_made_again_by_their_script_and_small(tmp_path):
             assert (np.asarray(Image.open(path)) == np.asarray(Image.open(stored))).all()
     assert len(list(tmp_path.iterdir())) == 5
     assert sum(p.stat().st_size for p in data_file("field").iterdir()) < 400_000
+
+
+# --- standing ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("pose", "plane"),
+    [
+        ((3.0, 2.0, 0.7), (0.0, 0.0, 0.05)),  # Area 1
+        ((0.5, 3.5, math.pi / 2), (0.1, 0.0, 0.10)),  # ramp 1, looking up
+        ((0.5, 3.5, -math.pi / 2), (-0.1, 0.0, 0.10)),  # and down
+        ((0.5, 3.5, 0.0), (0.0, 0.1, 0.10)),  # and along it
+        ((2.75, 10.0, math.pi), (-0.1, 0.0, 0.20)),  # the side slope, towards the pile
+        ((4.3, 10.0, 0.3), (0.0, 0.0, 0.25)),  # Area 3
+    ],
+)
+def test_a_robot_stands_as_the_floor_under_its_wheels_slopes(pose, plane):
+    assert standing(pose, MODULES) == pytest.approx(plane, abs=1e-9)
+
+
+def test_half_on_the_ramp_it_stands_on_the_plane_nearest_to_its_wheels():
+    pose = (0.5, 3.0, math.pi / 2)
+    out = standing(pose, MODULES)
+    heights = [
+        float(field.floor_height(pose[0] - y, pose[1] + x)) for x, y in MODULES
+    ]  # the base's axes, turned by a quarter
+    A = np.column_stack([MODULES, np.ones(4)])
+    expected, *_ = np.linalg.lstsq(A, heights, rcond=None)
+    assert out == pytest.approx(expected, abs=1e-9) and 0.0 < out[0] < 0.1
+
+
+def test_what_is_no_pose_stands_nowhere():
+    with pytest.raises(ValueError, match="pose: expected shape"):
+        standing((1.0, 2.0), MODULES)

@@ -357,6 +357,12 @@ def test_as_points_are_whole_and_no_way_is_worth_one_both_orders_are_the_same(kn
     assert order_a(known, team, y) == order_b(known, team, y)
 
 
+@given(known=fillings, y=places)
+def test_orders_a_and_b_are_called_as_ahead_is_and_mind_no_rhythm(known, y):
+    for order in (order_a, order_b):
+        assert order(known, "red", y, Rhythm(next=1.0)) == order(known, "red", y)
+
+
 @given(known=fillings, y=places, order=st.sampled_from(list(mission.STRATEGIES)))
 def test_no_order_takes_a_full_silo_and_all_take_one_while_there_is_room(known, y, order):
     silo = mission.STRATEGIES[order](known, "red", y)

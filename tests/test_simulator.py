@@ -769,3 +769,45 @@ def test_memory_stays_flat_over_half_a_minute():
 @pytest.mark.campaign
 def test_memory_stays_flat_over_an_hour():
     assert memory_grown(60.0) < KEPT  # here 0.2 bytes an observation
+
+
+# --- put down elsewhere ------------------------------------------------------------------------
+
+
+def test_put_down_elsewhere_it_stands_there_and_clock_and_counters_go_on():
+    robot = Simulator(sensors=IDEAL, start=OPEN)
+    drive(robot, 0.5, 0.5)
+    before = robot.read()
+    robot.place((4.3, 10.0, pi / 2))
+    pose, motion = robot.motion
+    assert pose.tolist() == [4.3, 10.0, pi / 2] and motion.tolist() == [0.0] * 3
+    after = robot.read()
+    assert after.time == before.time and after.ticks.tolist() == before.ticks.tolist()
+    seen, _ = drive(robot, 0.5)
+    assert seen[-1].ticks.tolist() == before.ticks.tolist()  # a wheel in the air counts nothing
+    assert abs(np.concatenate([o.gyro for o in seen])[:, 2]).max() < 1e-9  # nor does its gyroscope
+    walls = [o.lidar[0].distance for o in seen]  # the front one looks at the far fence
+    assert walls[-1] == pytest.approx(12.0 - 10.0 - 0.31, abs=0.02)
+
+
+def test_it_is_not_put_into_an_obstacle_and_stays_where_it_was():
+    robot = Simulator(sensors=IDEAL, start=OPEN)
+    for pose, sentence in (
+        ((2.0, 7.5, 0.0), "obstacle"),
+        ((0.1, 2.0, 0.0), "obstacle"),
+        ((-1.0, 2.0, 0.0), "outside the field"),
+        ((1.0, 2.0), "expected shape"),
+    ):
+        with pytest.raises(ValueError, match=sentence):
+            robot.place(pose)
+    assert robot.motion[0].tolist() == list(OPEN)
+
+
+def test_motion_is_the_truth_in_brief_and_a_copy():
+    robot = Simulator(sensors=IDEAL, start=OPEN)
+    drive(robot, 1.0, 0.5)
+    pose, motion = robot.motion
+    np.testing.assert_array_equal(pose, robot.truth.pose)
+    assert motion[0] == pytest.approx(0.5, abs=0.02)
+    pose[:] = motion[:] = 0.0
+    assert robot.motion[0][0] > OPEN[0]

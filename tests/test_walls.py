@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robocon_course.autopilot import Walls, expected_readings, measured_offsets
-from robocon_course.autopilot.walls import LOST_AFTER, correct, found_again
+from robocon_course.autopilot.walls import LOST_AFTER, _misfit, correct, found_again
 from robocon_course.robot import LIDARS, SATURATED, LidarReading, Observation
 from robocon_course.simulator import IDEAL, SensorModel, Simulator
 from robocon_course.simulator.match import Match
@@ -258,6 +258,15 @@ def test_in_the_storage_zone_it_rather_says_that_it_does_not_know():
             off = hypot(*(found - truth)[:2])
             known, wrong = known + (off < 0.05), wrong + (off >= 0.2)
     assert known >= 17 and wrong <= 1
+
+
+def test_how_badly_a_place_fits_by_hand():
+    should = np.array([(1.0, 0.98), (2.0, 0.97), (3.0, 0.1), (0.0, 0.0)])
+    heard = np.array([1.02, 1.0, 2.9, nan])
+    # 2 cm off; at most half a metre; a floor counts too; nothing expected, and nothing heard.
+    assert _misfit(should, heard) == pytest.approx((0.02 + 0.5 + 0.1 + 0.0) / 4)
+    # A wall that is not heard counts; a floor far away may not be heard; what nobody expects.
+    assert _misfit(should, np.array([nan, 2.0, nan, 4.0])) == pytest.approx((0.5 + 0 + 0 + 0.5) / 4)
 
 
 def test_without_two_readings_or_aslant_it_is_found_nowhere():

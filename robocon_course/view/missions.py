@@ -118,7 +118,7 @@ def _arrow(
     arrow = FancyArrowPatch(
         one, other, arrowstyle="-|>", mutation_scale=11, color="#666666", linewidth=1.1,
         connectionstyle=f"arc3,rad={0.10 if beside else 0.22}", patchA=source, patchB=target,
-        shrinkA=1, shrinkB=1, zorder=4,
+        shrinkA=1, shrinkB=1, zorder=2.5,
     )  # fmt: skip
     ax.add_patch(arrow)
 

@@ -7,7 +7,6 @@ says which silo they go to. It takes a millisecond, so that a strategy can be tr
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -249,10 +248,11 @@ def board_season(
 
 
 def _silo(chosen: object) -> int:
-    number = float(chosen) if isinstance(chosen, int | float | np.number) else inf
-    if isinstance(chosen, bool) or number not in range(len(SILOS)):
-        raise ValueError(f"expected the index of a silo, 0 to {len(SILOS) - 1}, got {chosen!r}")
-    return int(number)
+    number = isinstance(chosen, int | float | np.number) and not isinstance(chosen, bool)
+    if not number or chosen not in range(len(SILOS)):
+        said = " ".join(repr(chosen).split())[:40]
+        raise ValueError(f"expected the index of a silo, 0 to {len(SILOS) - 1}, got {said}")
+    return int(chosen)
 
 
 class Season(NamedTuple):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from robocon_course import mission
+from robocon_course.exercises.compare import kind_of
 from robocon_course.exercises.model import Case, Exercise, Mistake
 from robocon_course.mission import Approach, Room, SeenBall
 from robocon_course.mission.balls import DIRECTIONS, TURN_WEIGHT
@@ -224,9 +225,8 @@ def _case(what: str, args: tuple) -> Case:
             return f"{reply.error}: {reply.message}"
         came = reply.value
         if came is not None and type(came).__name__ != "Approach":
-            return f"expected a mission.Approach, as mission.approach_from makes it, got {came!r}"[
-                :160
-            ]
+            form = "expected a mission.Approach, as mission.approach_from makes it"
+            return f"{form}, got {kind_of(came)}"
         if came is None or expected is None:
             told = "None: no own ball can be come at" if expected is None else _words(expected)
             return None if came is expected else f"expected {told}, got {_words(came)}"

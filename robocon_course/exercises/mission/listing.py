@@ -110,7 +110,7 @@ OWN_DEAD_ENDS = Number(
         ),
         Mistake(
             "all states",
-            "That is how many states there are: was “back to storage” spelt as in the listing?",
+            "That is how many states there are. Spell “back to storage” as the listing does.",
             lambda student: float(len(PRINTED_CASES)),
         ),
         Mistake(

@@ -9,7 +9,7 @@ import numpy as np
 
 from robocon_course import mission
 from robocon_course.answers.process import Reply
-from robocon_course.exercises.compare import difference
+from robocon_course.exercises.compare import difference, kind_of
 from robocon_course.exercises.model import Case, Exercise, Mistake
 from robocon_course.field import SILO_CAPACITY, SILOS
 from robocon_course.mission import Rhythm, own_and_theirs
@@ -165,6 +165,12 @@ TEAMS = {"always red": "blue", "other team's balls": "red"}
 """Where a mistake shows with one team only."""
 
 
+def _index(value: Any) -> str:
+    """An index in words, and anything else by its kind."""
+    plain = value is None or (isinstance(value, int) and abs(value) < 1000)
+    return repr(value) if plain else kind_of(value)
+
+
 def _case(what: str, args: tuple) -> Case:
     expected = mission.choose_silo(*args)
 
@@ -174,7 +180,7 @@ def _case(what: str, args: tuple) -> Case:
         if expected is None or reply.value is None:
             told = "None: all are full" if expected is None else f"index {expected}"
             same = expected is None and reply.value is None
-            return None if same else f"expected {told}, got {reply.value!r}"
+            return None if same else f"expected {told}, got {_index(reply.value)}"
         return difference(reply.value, expected, 1e-9)
 
     return Case(what, args, judge=judge)

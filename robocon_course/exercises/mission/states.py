@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from robocon_course import mission
+from robocon_course.exercises.compare import kind_of
 from robocon_course.exercises.model import Case, Exercise, Mistake
 from robocon_course.mission import Fact, Facts, Transition
 from robocon_course.worlds import Student
@@ -83,7 +84,7 @@ def _next_case(what: str, rows: Sequence[Transition], state: str, facts: Facts) 
 def _told(row: Any) -> str:
     """A row in words, and anything else as it is."""
     if type(row).__name__ != "Transition":
-        return repr(row)[:60]
+        return repr(row)[:60] if row is None or isinstance(row, str) else kind_of(row)
     return f"the row {row.source!r} to {row.target!r} ({row.label})"
 
 
