@@ -77,5 +77,5 @@ def font(size: int, bold: bool = False) -> ImageFont.FreeTypeFont:
     """The plots' font, for words in a picture of pixels."""
     from matplotlib import font_manager
 
-    name = font_manager.FontProperties("DejaVu Sans", weight="bold" if bold else "normal")
+    name = font_manager.FontProperties(family="DejaVu Sans", weight="bold" if bold else "normal")
     return ImageFont.truetype(font_manager.findfont(name), size)
