@@ -58,16 +58,17 @@ show(
 )
 
 # %% [markdown]
-# This is what you will have built at the end: the robot plays by itself, from the pixels of its camera
-# and the ticks of its wheels. The film runs six times as fast as the match.
+# This is what you will have built at the end: the robot plays a match by itself.
+#
+# The film runs six times as fast as the match. The robot is white, with its gripper ahead of the
+# triangle; the line behind it is where it just was. Words at the top left say what it does.
+#
+# A ball of its own colour in a silo gives 30 points. A ball with a white middle is empty and must not
+# be touched. At the right are the silos as stacks. Three that count are *Mua Vang*: the match is won at
+# once. A silo counts for a team if it is full, with two balls of that team or more and one of them on top.
 
 # %%
-show(
-    pictures.match_film(),
-    "A whole match from above. The robot (white, its gripper a blue triangle) drives to Area 3, takes "
-    "red balls from among the purple ones and carries them one by one to the silos, until three of "
-    "them are full, with a red ball on top and two red ones or more: Mua Vang, the match is won.",
-)
+show(*pictures.match_film())
 
 # %% [markdown]
 # The **map frame** has its origin in the corner on our outer side.

@@ -143,11 +143,33 @@ def labelled(picture: Pixels, inside: tuple[slice, slice], words: str) -> Image.
 
 def looped_gif(images: list[Image.Image], time: FloatArray) -> bytes:
     """A GIF that repeats for ever, with one table of colours for all its pictures."""
-    colours = _table(images[:: max(1, len(images) // 8)])
-    flat = [image.quantize(palette=colours, dither=Image.Dither.NONE) for image in images]
+    table = colour_table(images[:: max(1, len(images) // 8)])
     pace = 1000.0 * min(LONGEST, time[-1] - time[0]) / (len(images) - 1)
-    each = 10 * max(2, round(pace / 10))  # a GIF counts hundredths of a second
-    pauses = [each] * (len(flat) - 1) + [each + int(1000 * REST)]
+    each = max(2, round(pace / 10))
+    return as_gif([flattened(image, table) for image in images], each)
+
+
+def flattened(image: Image.Image, table: Image.Image) -> Image.Image:
+    """A picture in the colours of a table: a third of the memory."""
+    return image.quantize(palette=table, dither=Image.Dither.NONE)
+
+
+def as_gif(flat: list[Image.Image], each: int, rest: float = REST) -> bytes:
+    """Pictures of one table of colours as a GIF that repeats for ever.
+
+    Parameters
+    ----------
+    flat : list of Image
+    each : int  [0.01 s]
+        How long each is shown: a GIF counts hundredths of a second.
+    rest : float  [s]
+        How much longer the last one stays.
+
+    Returns
+    -------
+    bytes
+    """
+    pauses = [10 * each] * (len(flat) - 1) + [10 * each + int(1000 * rest)]
     stream = io.BytesIO()
     flat[0].save(
         stream, "gif", save_all=True, append_images=flat[1:], duration=pauses, loop=0, disposal=1
@@ -155,7 +177,7 @@ def looped_gif(images: list[Image.Image], time: FloatArray) -> bytes:
     return stream.getvalue()
 
 
-def _table(images: list[Image.Image]) -> Image.Image:
+def colour_table(images: list[Image.Image]) -> Image.Image:
     """The most frequent colours as they are: surfaces stay exact, only smooth edges are rounded."""
     pixels = np.vstack([np.asarray(image).reshape(-1, 3) for image in images]).astype(np.int64)
     packed, counts = np.unique(pixels @ (1 << 16, 1 << 8, 1), return_counts=True)

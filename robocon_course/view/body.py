@@ -15,14 +15,16 @@ from numpy.typing import ArrayLike
 
 from robocon_course import robot
 from robocon_course._arrays import FloatArray, as_floats
+from robocon_course.field import BALL_DIAMETER
 from robocon_course.geometry import transform_points
-from robocon_course.view.canvas import MINE, WARN
+from robocon_course.view.canvas import MINE, TRUTH, WARN
 
 BODY, STEEL, RUBBER = "#EEF1F4", "#5C6670", "#30363C"
 WHEEL = (0.12, 0.05)
 """Length and width of a module's wheel, a little larger than life."""
 ARROW = 0.22
 """Length of a wheel's arrow per speed [m per m/s]."""
+_ROUND = np.column_stack([f(np.linspace(0.0, 2.0 * np.pi, 20, False)) for f in (np.cos, np.sin)])
 SPOT = np.radians(1.8)
 """Half the angle that a LiDAR's light spreads."""
 
@@ -57,6 +59,8 @@ class RobotPicture:
         What the LiDARs measured, in the order of `robot.LIDARS`; 0 draws no beam.
     colour : str
         Of the outline and the nose; `MINE`, `REFERENCE` and so on mean what they mean elsewhere.
+    gripper : str, optional
+        Draw the gripper, with a ball of this colour in it; ``""`` for an empty one.
     """
 
     pose: ArrayLike
@@ -64,6 +68,7 @@ class RobotPicture:
     speeds: ArrayLike | None = None
     beams: ArrayLike | None = None
     colour: str = MINE
+    gripper: str | None = None
 
     @classmethod
     def seen(
@@ -83,7 +88,9 @@ def robot_shapes(picture: RobotPicture) -> list[Shape]:
         A pose, angles, speeds or beams that are not so many finite numbers.
     """
     pose = as_floats(picture.pose, "pose", 3)
-    shapes = [*_beams(picture), *_body(picture.colour), *_wheels(picture)]
+    shapes = [
+        *_beams(picture), *_gripper(picture.gripper), *_body(picture.colour), *_wheels(picture)
+    ]  # fmt: skip
     return [shape._replace(corners=transform_points(pose, shape.corners)) for shape in shapes]
 
 
@@ -94,6 +101,29 @@ def _beams(picture: RobotPicture) -> Iterator[Shape]:
             end = distance * np.array([[1.0, -np.tan(SPOT)], [1.0, np.tan(SPOT)]])
             pose = (mount.x, mount.y, mount.angle)
             yield Shape(transform_points(pose, [(0.0, 0.0), *end]), WARN, 0.55)
+
+
+def _gripper(ball: str | None) -> Iterator[Shape]:
+    """Two fingers before the front, as long as the ball that they hold."""
+    if ball is None:
+        return
+    for y in (-0.115, 0.115):
+        reach = [(0.3, y - 0.016), (0.51, y - 0.016), (0.51, y + 0.016), (0.3, y + 0.016)]
+        yield Shape(np.array(reach), STEEL)
+    if ball:
+        yield from ball_shapes((0.42, 0.0), ball)
+
+
+def ball_shapes(centre: ArrayLike, colour: str) -> Iterator[Shape]:
+    """A ball from above, with a dark rim.
+
+    Parameters
+    ----------
+    centre : array_like, shape (2,)  [m, map]
+    colour : str
+    """
+    for radius, paint in ((BALL_DIAMETER / 2, TRUTH), (BALL_DIAMETER / 2 - 0.014, colour)):
+        yield Shape(np.asarray(centre, float) + radius * _ROUND, paint)
 
 
 def _body(colour: str) -> Iterator[Shape]:

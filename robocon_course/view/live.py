@@ -15,7 +15,7 @@ from robocon_course.simulator import Simulator
 from robocon_course.view.body import RobotPicture, robot_shapes
 from robocon_course.view.canvas import MINE, TRUTH
 from robocon_course.view.ground import painted_field
-from robocon_course.view.raster import Pixels, Scale, font, paint, rgb
+from robocon_course.view.raster import Pixels, Scale, font, paint, trace
 
 CONTROL = 0.02
 """Time between two commands to the modules [s]."""
@@ -96,12 +96,9 @@ class Ride:
 
 def photograph(ride: Ride) -> bytes:
     """The robot from above with the field around it, as the bytes of a PNG file."""
-    import cv2
-
     view, scale = _field_at(*ride.pose[:2])
-    dots = np.round(scale.pixels(np.array(ride.trail)) * 16).astype(np.int32)
     for colour, width in (("#FFFFFF", 4), (MINE, 2)):
-        cv2.polylines(view, [dots], False, rgb(colour), width, cv2.LINE_AA, 4)
+        trace(view, np.array(ride.trail), scale, colour, width)
     paint(view, robot_shapes(RobotPicture.seen(ride.pose, ride.observation)), scale)
     stream = io.BytesIO()
     _framed(view, scale).save(stream, "png", compress_level=1)

@@ -9,8 +9,16 @@ from robocon_course.view.canvas import Animation
 __all__ = ["draw_plan", "draw_robot", "draw_system", "match_film"]
 
 
-def match_film() -> Animation:
-    """A whole match of the course's own robot, six times as fast (`data/match`)."""
-    return Animation(
-        *(files.data_file(f"match/match.{kind}").read_bytes() for kind in ("gif", "png"))
+def match_film() -> tuple[Animation, str]:
+    """A whole match of the course's own robot, six times as fast (`data/match`), and its twin.
+
+    Returns
+    -------
+    Animation
+    str
+        What came out, as the match itself said it when the film was made.
+    """
+    gif, still, words = (
+        files.data_file(f"match/match.{kind}").read_bytes() for kind in ("gif", "png", "txt")
     )
+    return Animation(gif, still), words.decode().strip()

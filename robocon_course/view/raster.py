@@ -58,6 +58,14 @@ def paint(picture: Pixels, shapes: Iterable[Shape], scale: Scale) -> None:
             cv2.addWeighted(over, shape.opacity, picture, 1.0 - shape.opacity, 0.0, dst=picture)
 
 
+def trace(picture: Pixels, points: FloatArray, scale: Scale, colour: str, width: int) -> None:
+    """Paint a line through points [m, map], shape (n, 2), over a picture; width in pixels."""
+    import cv2
+
+    dots = np.round((scale.pixels(points) - 0.5) * (1 << FRACTION_BITS)).astype(np.int32)
+    cv2.polylines(picture, [dots], False, rgb(colour), width, cv2.LINE_AA, FRACTION_BITS)
+
+
 def rgb(colour: str) -> tuple[int, int, int]:
     """Red, green and blue of a colour such as ``#0072B2``."""
     red, green, blue = bytes.fromhex(colour.removeprefix("#"))
@@ -65,8 +73,9 @@ def rgb(colour: str) -> tuple[int, int, int]:
 
 
 @cache
-def font(size: int) -> ImageFont.FreeTypeFont:
+def font(size: int, bold: bool = False) -> ImageFont.FreeTypeFont:
     """The plots' font, for words in a picture of pixels."""
     from matplotlib import font_manager
 
-    return ImageFont.truetype(font_manager.findfont("DejaVu Sans"), size)
+    name = font_manager.FontProperties(family="DejaVu Sans", weight="bold" if bold else "normal")
+    return ImageFont.truetype(font_manager.findfont(name), size)
