@@ -267,5 +267,6 @@ def test_parts_that_answer_with_lists_and_parts_that_count_on_arrays_work_togeth
     plain = module_command(Parts(), *order, dt=0.02, max_speed=1.0)
     parts = Parts(**{name: listed(name) for name in names})
     mixed = module_command(parts, *order, dt=0.02, max_speed=1.0)
-    np.testing.assert_array_equal(mixed.speeds, plain.speeds)
-    np.testing.assert_array_equal(mixed.angles, plain.angles)
+    # The course's own parts run as one compiled step, which may differ in the last bit.
+    np.testing.assert_allclose(mixed.speeds, plain.speeds, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(mixed.angles, plain.angles, rtol=0, atol=1e-14)
