@@ -15,7 +15,7 @@ import numpy as np
 
 from robocon_course import field
 from robocon_course._arrays import CourseError, FloatArray
-from robocon_course.mission import is_full, order_b
+from robocon_course.mission import LETTERS, is_full, order_b
 from robocon_course.robot import Command, Frame, LidarReading, Observation
 from robocon_course.simulator import balls as rolling
 from robocon_course.simulator.balls import FREE, HELD, OUT, Balls
@@ -29,7 +29,7 @@ from robocon_course.simulator.referee import (
     RETRY_COSTS,
     Referee,
     plan,
-)  # fmt: skip
+)
 from robocon_course.simulator.sensors import SensorModel
 from robocon_course.vision.camera import Camera
 
@@ -121,7 +121,7 @@ class Match:
         drawn: bool = False,
         faults: Sequence[Fault] = (),
     ) -> None:
-        _refuse("team", team, ("red", "blue"))
+        _refuse("team", team, tuple(LETTERS))
         _refuse("opponent", opponent, (None, *OPPONENTS))
         for fault in faults:
             _refuse("faults", fault.kind, KINDS)
@@ -129,10 +129,9 @@ class Match:
         self._rng = {name: np.random.Generator(np.random.PCG64(w))
                      for name, w in zip(STREAMS, words, strict=True)}  # fmt: skip
         self.team, self.seed, self.faults = team, seed, tuple(faults)
-        self.referee = Referee({"red": "R", "blue": "B"}[team])
+        self.referee = Referee(LETTERS[team])
         self.robot = Simulator(model, sensors=sensors, start=START)
-        self._noise_seed = int(self._rng["sensors"].integers(1 << 31))
-        self.robot.reset(self._noise_seed)
+        self.robot.reset(int(self._rng["sensors"].integers(1 << 31)))
         pile = self._rng["pile"].permutation([team] * 6 + ["purple"] * 10)
         self.balls = Balls(np.array(field.PILE_BALLS), [str(name) for name in pile])
         self._theirs = plan(self._rng["opponent"], OPPONENTS[opponent]) if opponent else []
@@ -257,8 +256,7 @@ class Match:
         """The crew carries the robot to the Retry Zone; the ball it carried leaves the game."""
         if self.balls.held >= 0:
             self.balls.place[self.balls.held] = OUT
-        home = RETRY_POSE if self._area_2 else START
-        self.robot.place(self._put(np.array(home)))
+        self.robot.place(self._put(np.array(self.home)))
         self.apply(Command.stop())
         self.retries += 1
         self._waits_until = self.clock + RETRY_COSTS

@@ -11,13 +11,13 @@ proposals: unlimited retries of 5 s, the carried ball leaves the game.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from robocon_course.field import SILOS
+from robocon_course.mission import is_full, winner
 
 MATCH = 180.0
 """[s]"""
@@ -26,7 +26,6 @@ RETRY_COSTS = 5.0
 SEEDLING, TRANSFER, STORED = 10, 10, 30
 """Points."""
 MUA_VANG = "Mua Vang"
-Chooser = Callable[[Sequence[str], str, float], int | None]
 
 
 class Event(NamedTuple):
@@ -83,13 +82,13 @@ class Referee:
 
     def store(self, time: float, team: str, silo: int) -> bool:
         """A ball falls into a silo; False if it is full, and the ball rolls away."""
-        if len(self.fillings[silo]) >= 3:
+        if is_full(self.fillings[silo]):
             self.note(time, "lost ball", team, f"silo {silo + 1} was full")
             return False
         self.fillings[silo] += self.letter_of(team)
         self.points[team] += STORED
         self.note(time, "stored", team, f"silo {silo + 1}: {self.fillings[silo]}")
-        if self._won(team):
+        if winner(self.fillings) == self.letter_of(team):
             self._end(time, team, MUA_VANG)
         return True
 
@@ -111,11 +110,6 @@ class Referee:
     def count(self, what: str, team: str = "own") -> int:
         """How often something was seen."""
         return sum(event.what == what and event.team == team for event in self.events)
-
-    def _won(self, team: str) -> bool:
-        letter = self.letter_of(team)
-        good = [f for f in self.fillings if len(f) == 3 and f[-1] == letter and f.count(letter) > 1]
-        return len(good) >= 3
 
     def _end(self, time: float, winner: str, reason: str) -> None:
         if not self.winner:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robocon_course.field import SILO_CAPACITY, SILOS
+from robocon_course.field import SILOS
+from robocon_course.mission import owner
 from robocon_course.simulator.referee import SEEDLING, STORED, TRANSFER
 
 if TYPE_CHECKING:
@@ -76,8 +77,7 @@ def counts_for(filling: str) -> str:
 
     It counts for the team whose ball is on top of the full silo, with two of that team or more.
     """
-    top = filling[-1:]
-    return top if len(filling) == SILO_CAPACITY and filling.count(top) > 1 else ""
+    return owner(filling) or ""
 
 
 def points_at(result: MatchResult, now: float) -> tuple[int, int]:
