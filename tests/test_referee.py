@@ -58,11 +58,14 @@ def test_a_ball_into_a_full_silo_rolls_away_and_scores_nothing():
 def test_mua_vang_is_exactly_the_rule_whatever_the_silos_hold():
     seen = {True: 0, False: 0}
     for fillings in combinations_with_replacement(FILLINGS, 5):  # places do not matter
+        if len(fillings[0]) == 3 or any(full_of_three(fillings, letter) for letter in "RB"):
+            continue
         for team, letter in (("own", "R"), ("theirs", "B")):
             referee = Referee("R")
             referee.fillings = list(fillings)
-            expected = full_of_three(fillings, letter)
-            assert referee._won(team) == expected, fillings
+            referee.store(30.0, team, 0)
+            expected = full_of_three((fillings[0] + letter, *fillings[1:]), letter)
+            assert (referee.winner == team) == expected, fillings
             seen[expected] += 1
     assert seen[True] > 100 and seen[False] > 1000
 
