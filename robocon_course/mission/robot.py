@@ -117,22 +117,17 @@ LIMITS: dict[State, tuple[float, State]] = {
 """How long a state may last [s], and what comes then. `RESET` waits for the start,
 `NO_SENSORS` for the sensors, `FINISHED` for nothing."""
 RESETS: dict[State, tuple[str, ...]] = {
-    S.RESET: ("pose", "balls", "silos"),
-    S.GO_TO_AREA_3: ("target",),
+    S.RESET: ("balls", "choice"),
     S.LIDAR_RESET: ("pose",),
-    S.DETECT_BALL: ("target",),
-    S.SEARCH_BALL: ("views", "target"),
-    S.PUSH_PILE: ("target",),
-    S.REVERSE: ("target", "balls"),
-    S.TAKE_BALL: ("target",),
-    S.SEARCH_SILO: ("choice", "target"),
-    S.APPROACH_SILO: ("target",),
-    S.SILO_FULL: ("choice", "target"),
+    S.REVERSE: ("balls",),
+    S.SEARCH_SILO: ("choice",),
+    S.SILO_FULL: ("choice",),
     S.RESET_AFTER_SILO: ("pose",),
-    S.BACK_TO_STORAGE: ("balls", "target"),
-    S.STUCK: ("target",),
+    S.BACK_TO_STORAGE: ("balls",),
 }
-"""What is forgotten when a state is entered: ``"pose"`` is measured anew against the walls."""
+"""What is forgotten when a state is entered, besides its target and its path, which every state
+chooses anew: where the balls were seen, which silo was chosen; ``"pose"`` is measured anew against
+the walls."""
 
 
 def _as_it_stands(source: State, guard: Callable[[Facts], bool], label: str) -> list[Transition]:
