@@ -593,3 +593,23 @@ def test_campaign_camera():
     told = match.summary(match.weak(range(20), drawn=True))
     print(told.line)
     assert told.won >= 0.8
+
+
+def test_a_robot_that_was_stopped_goes_on_when_start_is_pressed_and_the_clock_ran_on():
+    bus = Bus()
+    play = Play(seed=1, opponent=None, bus=bus)
+    bus.publish("/operator", Button("start"))
+    for _ in range(300):
+        play.tick()
+    bus.publish("/operator", Button("stop"))
+    for _ in range(200):
+        play.tick()
+    here = play.match.robot.motion[0]
+    assert play.pilot.state is State.RESET and play.match.clock == pytest.approx(5.0)
+    bus.publish("/operator", Button("start"))
+    bus.publish("/operator", Button("start"))  # twice makes no difference
+    for _ in range(200):
+        play.tick()
+    assert play.pilot.state is State.GO_TO_AREA_3
+    assert hypot(*(play.match.robot.motion[0] - here)[:2]) > 0.5
+    assert play.pilot._ends == pytest.approx(play.match.started + 180.0, abs=0.02)

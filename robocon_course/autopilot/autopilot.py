@@ -46,8 +46,6 @@ from robocon_course.planning import NoPathError
 from robocon_course.robot import DEAD_WHEELS, Command, Observation
 
 START_POSE = (*field.START, 0.0)
-LENGTH = 180.0
-"""Of a match [s]."""
 BLIND_AFTER = 30
 """So many observations in a row without use, and the robot stands."""
 LONGEST_PAUSE = 10.0
@@ -152,10 +150,21 @@ class Autopilot:
 
     # --- the crew ---------------------------------------------------------------------------------
 
+    @property
+    def stopped(self) -> bool:
+        """Whether it waits for `start`."""
+        return self._begins == inf
+
     def start(self, after: float = 0.0) -> None:
-        """Play from now on, or in a while [s]."""
-        self._began = self._begins = self.now + after
-        self._ends = self._begins + LENGTH
+        """Play from now on, or in a while [s].
+
+        After a `stop` the match has gone on meanwhile, and ends when it would have ended.
+        """
+        if not self.stopped:
+            return
+        self._begins = self.now + after
+        if self._ends == inf:
+            self._began, self._ends = self._begins, self._begins + field.MATCH_LENGTH
 
     def stop(self) -> None:
         """Stand still, until `start`."""
@@ -354,13 +363,12 @@ class Autopilot:
         self.notes = {}
         if "choice" not in resets and old.get("silo") is not None:
             self.notes["silo"] = old["silo"]
-        if state is State.TAKE_BALL:
-            self.notes["approach"] = old.get("approach")
         if "balls" in resets:
             self.sight.forget_balls()
-        if "pose" in resets and state is not State.RESET:
+        if "pose" in resets:
             self.walls = self.walls.doubted()
         if state is State.TAKE_BALL:
+            self.notes["approach"] = old.get("approach")
             self._tried += 1
         elif state not in (State.DETECT_BALL, State.REVERSE):
             self._tried = 0

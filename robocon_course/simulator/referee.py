@@ -16,10 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robocon_course.field import SILOS
+from robocon_course.field import MATCH_LENGTH, SILOS
 from robocon_course.mission import is_full, winner
 
-MATCH = 180.0
+MATCH = MATCH_LENGTH
 """[s]"""
 RETRY_COSTS = 5.0
 """[s]"""

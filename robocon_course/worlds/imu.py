@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from robocon_course._arrays import FloatArray, freeze_arrays, frozen
+from robocon_course.field import MATCH_LENGTH
 from robocon_course.imu import attitude_from_accel
 from robocon_course.simulator import sensors
 from robocon_course.simulator.sensors import ImuErrors, imu_measurements
 from robocon_course.worlds.student import Student, generator
 
 DT = 0.01  # s, the phone's sample period
-MATCH = 180.0  # s
+MATCH = MATCH_LENGTH  # s
 LEAN = 0.2  # rad: how far from upright a hand holds the phone during its slow turns
 
 

@@ -22,6 +22,7 @@ from robocon_course.autopilot import (
     measured_offsets,
     module_command,
 )
+from robocon_course.field import MATCH_LENGTH
 from robocon_course.mission import STRATEGIES, State
 from robocon_course.robot import Bus, Command, Observation
 from robocon_course.robot.messages import Button, Log, PoseStamped, Score, Twist
@@ -34,8 +35,6 @@ from robocon_course.worlds.to_area_3 import calibrated_wheels
 if TYPE_CHECKING:
     from robocon_course.simulator.match import Fault, Match
 
-MATCH_LASTS = 180.0
-"""[s]"""
 REST = 2.0
 """The robot stands so long before the start: the gyroscope's bias is learnt then [s]."""
 EVERY = 5
@@ -272,9 +271,10 @@ class Play:
             self.tick()
 
     def start(self) -> None:
-        """Start the clock."""
+        """Start the clock, or go on after a stop: the clock ran on."""
         if self.match.started is None:
             self.match.start()
+        if self.pilot.stopped:
             self.pilot.start()
             self._tell("start")
 
@@ -332,7 +332,7 @@ class Play:
             pose, _ = match.robot.motion
             bus.publish("/ground_truth", PoseStamped(now, pose))
             score = Score(
-                now, referee.points["own"], referee.points["theirs"], MATCH_LASTS - match.clock,
+                now, referee.points["own"], referee.points["theirs"], MATCH_LENGTH - match.clock,
                 referee.winner, referee.reason,
             )  # fmt: skip
             bus.publish("/score", score)
@@ -395,7 +395,7 @@ def play_match(
                 balls.append(match.balls.xy[free].copy())
                 colours.append(tuple(match.balls.colours[k] for k in free))
         if ticks % 100 == 0:
-            on_time(match.clock / MATCH_LASTS)
+            on_time(match.clock / MATCH_LENGTH)
     table, referee = np.array(rows), match.referee
     return MatchResult(
         seed=seed, parts=pilot.parts.label, winner=referee.winner, reason=referee.reason,
