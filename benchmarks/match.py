@@ -30,18 +30,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robocon_course.field import SILOS
-from robocon_course.mission import LIMITS, STRATEGIES, Rhythm, order_b
+from robocon_course.mission import LIMITS, STRATEGIES
 from robocon_course.simulator.match import KINDS, Fault
-from robocon_course.simulator.referee import MATCH, MUA_VANG, OPPONENTS, Referee, plan
+from robocon_course.simulator.referee import MUA_VANG
 from robocon_course.worlds.match import MatchResult, Play, play_match, season
+from robocon_course.worlds.missions import board_game, board_season
 
 Run = Callable[[Callable, list], Iterable]
 LATE = 0.6
 """So much longer than its limit a state may seem to last, while the robot's clock is frozen [s]."""
 FAULTS_AT = (12.0, 90.0)
 """Between these times a fault happens [s]."""
-EVERY = 14.0
+EVERY = 12.0
 """Of our balls in a board game [s]."""
 POSITIONS = {
     "full": {},
@@ -107,31 +107,6 @@ def summary(results: Sequence[MatchResult]) -> Summary:
 # --- orders -----------------------------------------------------------------------------------
 
 
-def board_game(strategy: str, seed: int, opponent: str = "strong") -> Referee:
-    """A match of two clocks, without robots, as the referee saw it.
-
-    Our balls come every 14 s, give or take 2 s; theirs as the simulator plans them. They choose by
-    order B.
-    """
-    words = np.random.SeedSequence([seed, 7]).spawn(2)
-    ours, theirs = (np.random.default_rng(word) for word in words)
-    own = 18.0 + np.cumsum(np.r_[0.0, np.maximum(ours.normal(EVERY, 2.0, 12), 8.0)])
-    team = OPPONENTS[opponent]
-    balls = [(float(time), "own", True) for time in own if time < MATCH]
-    balls += [(time, "theirs", falls_in) for time, falls_in in plan(theirs, team)]
-    referee, last = Referee("R"), team.first - team.every
-    for now, who, falls_in in sorted(balls):
-        if who == "own":
-            rhythm = Rhythm(EVERY, last + team.every - now, team.every, team.spread)
-            silo = STRATEGIES[strategy](referee.fillings, "red", SILOS[2][1], rhythm)
-        else:
-            silo, last = order_b(referee.fillings, "blue", SILOS[2][1]), now
-        if silo is not None and falls_in and not referee.winner:
-            referee.store(now, who, silo)
-    referee.time_is_up(MATCH)
-    return referee
-
-
 def mcnemar(ones: Sequence[bool], others: Sequence[bool]) -> float:
     """Exact, one-sided: how likely a coin would favour the first at least so often.
 
@@ -145,13 +120,10 @@ def mcnemar(ones: Sequence[bool], others: Sequence[bool]) -> float:
 
 def board_games(seeds: Iterable[int], opponent: str = "strong") -> dict[str, list[bool]]:
     """Which of the same games each order wins at once, by Mua Vang."""
-    seeds = list(seeds)
+    games = [board_game(np.random.default_rng([seed, 7]), opponent, EVERY) for seed in seeds]
     return {
-        name: [
-            (game.winner, game.reason) == ("own", MUA_VANG)
-            for game in (board_game(name, seed, opponent) for seed in seeds)
-        ]
-        for name in STRATEGIES
+        name: [one.winner == "own" and one.reason == MUA_VANG for one in board_season(order, games)]
+        for name, order in STRATEGIES.items()
     }
 
 

@@ -132,12 +132,15 @@ class BoardGame(NamedTuple):
         Of those that fall in.
     period, spread : float  [s]
         How often theirs come, and how unsure that is.
+    every : float  [s]
+        How often ours come.
     """
 
     ours: tuple[float, ...]
     theirs: tuple[float, ...]
     period: float
     spread: float
+    every: float = 9.5  # as `EVERY`
 
 
 class BoardResult(NamedTuple):
@@ -164,18 +167,23 @@ class BoardResult(NamedTuple):
 
 
 FIRST, EVERY, VARY = 17.0, 9.5, 2.0
-"""Our first ball, from one to the next, standard deviation [s]: a robot of this course."""
+"""Our first ball, from one to the next, standard deviation [s]: a quick robot. The course's own
+needs about 12 s for a ball."""
 BALLS = 12
 """Six from the pile, six that Robot 1 sends."""
 
 
-def board_game(rng: np.random.Generator, opponent: str = "strong") -> BoardGame:
+def board_game(
+    rng: np.random.Generator, opponent: str = "strong", every: float = EVERY
+) -> BoardGame:
     """A game to play.
 
     Parameters
     ----------
     rng : numpy.random.Generator
     opponent : {"weak", "middling", "strong"}
+    every : float  [s]
+        From one of our balls to the next.
 
     Returns
     -------
@@ -184,7 +192,7 @@ def board_game(rng: np.random.Generator, opponent: str = "strong") -> BoardGame:
     if opponent not in OPPONENTS:
         raise CourseError(f"opponent: expected one of {', '.join(OPPONENTS)}, got {opponent!r}")
     other = OPPONENTS[opponent]
-    gaps = np.maximum(6.0, EVERY + VARY * rng.standard_normal(BALLS - 1))
+    gaps = np.maximum(6.0, every + VARY * rng.standard_normal(BALLS - 1))
     ours = FIRST + np.concatenate([[0.0], np.cumsum(gaps)])
     theirs = [time for time, falls_in in plan(rng, other) if falls_in]
     return BoardGame(
@@ -192,6 +200,7 @@ def board_game(rng: np.random.Generator, opponent: str = "strong") -> BoardGame:
         tuple(float(t) for t in np.round(theirs, 2)),
         other.every,
         other.spread,
+        every,
     )
 
 
@@ -237,7 +246,7 @@ def rhythm_of(game: BoardGame, now: float) -> Rhythm:
     """What is known of both teams' rhythm at a time [s] of a game: what has come, no more."""
     before = [time for time in game.theirs if time < now]
     last = before[-1] if before else 24.0 - game.period
-    return Rhythm(EVERY, round(last + game.period - now, 2), game.period, game.spread)
+    return Rhythm(game.every, round(last + game.period - now, 2), game.period, game.spread)
 
 
 def board_season(
