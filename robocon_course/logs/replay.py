@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from os import PathLike
+from typing import Any
 
 from robocon_course.logs.reader import read_log
 from robocon_course.logs.writer import LogError
@@ -28,6 +29,9 @@ class Replay:
         Whether the last observation was read.
     expected : Command or None
         What was told in the log after the observation that was read last.
+    heard : list of (str, message)
+        Topics and messages of everything else that was told between the observation that was read
+        last and the one before it: the operator's buttons among them.
     applied, different : int
         Commands since the beginning, and those among them that are not the log's.
     first_different : float or None  [s]
@@ -44,6 +48,8 @@ class Replay:
         self._next: Observation | None = None
         self._latest: Observation | None = None
         self.expected: Command | None = None
+        self.heard: list[tuple[str, Any]] = []
+        self._coming: list[tuple[str, Any]] = []
         self.applied = self.different = 0
         self.first_different: float | None = None
         self._advance()
@@ -57,13 +63,15 @@ class Replay:
 
     def _advance(self) -> None:
         """To the next observation, past what was told meanwhile."""
-        self._next = self.expected = None
+        self._next, self.expected, self._coming = None, None, []
         for topic, message in self._told:
             if topic == "/observation":
                 self._next = message
                 return
             if topic == "/command":
                 self.expected = message
+            else:
+                self._coming.append((topic, message))
 
     def read(self) -> Observation:
         """The next observation; at the end the last one again, without samples and picture.
@@ -72,13 +80,14 @@ class Replay:
         -------
         Observation
         """
+        self.heard = self._coming
         if self._next is not None:
             self._latest = self._next
             self._advance()
             return self._latest
         last = self._latest
         assert last is not None, "there is one in the log"
-        self.expected = None
+        self.expected, self._coming = None, []
         return last._replace(
             imu_time=last.imu_time[:0], gyro=last.gyro[:0], accel=last.accel[:0], frame=None
         )

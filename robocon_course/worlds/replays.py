@@ -6,19 +6,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from robocon_course._arrays import CourseError
 from robocon_course.autopilot import Autopilot, Parts
-from robocon_course.logs import read_log
-from robocon_course.robot import Command, Observation
+from robocon_course.logs import Replay
+from robocon_course.robot.messages import Button
 from robocon_course.worlds.drive import REFERENCE
 from robocon_course.worlds.match import new_pilot
 from robocon_course.worlds.student import Student
 
+TICKS = 18_500
+"""Of a whole match and the rest before it."""
+
 
 @dataclass(frozen=True)
-class Replay:
+class Replayed:
     """What came out of a replayed log.
 
     Attributes
@@ -59,7 +60,7 @@ def replay_log(
     parts: Parts = REFERENCE,
     *,
     on_time: Callable[[float], object] = lambda share: None,
-) -> Replay:
+) -> Replayed:
     """Feed the observations of a log to a new autopilot.
 
     Parameters
@@ -75,43 +76,40 @@ def replay_log(
 
     Returns
     -------
-    Replay
+    Replayed
 
     Raises
     ------
     CourseError
         No log, or one without observations or without the robot's set-up.
     """
-    pilot: Autopilot | None = None
-    commands = different = 0
-    first, states, ours, last, by_hand = None, [], None, None, False
-    for topic, message in read_log(path):
-        if topic == "/operator" and message.name == "set_up":
-            pilot = new_pilot(parts, student, message.value)
-        elif topic == "/operator" and message.name == "manual":
-            by_hand = message.value == "on"
-        elif topic == "/operator" and pilot is not None:
-            _press(pilot, message)
-        elif topic == "/observation" and isinstance(message, Observation):
-            if pilot is None:
-                raise CourseError(f"{path}: the log does not hold how the robot was set up")
-            ours = pilot.tick(message)
-            if pilot.state != last:
-                last = pilot.state
-                states.append((float(message.time), str(last)))
-            if commands % 500 == 0:
-                on_time(min(1.0, commands / 18_500))
-        elif topic == "/command" and ours is not None and not by_hand:
-            commands += 1
-            if not _equal(ours, message):
-                different += 1
-                first = pilot.now if first is None else first
-    if not commands:
+    log, pilot, by_hand, states = Replay(path), None, False, []
+    while not log.ended:
+        seen = log.read()
+        for topic, message in log.heard:
+            if topic != "/operator":
+                continue
+            if message.name == "set_up":
+                pilot = new_pilot(parts, student, message.value)
+            elif message.name == "manual":
+                by_hand = message.value == "on"
+            elif pilot is not None:
+                _press(pilot, message)
+        if pilot is None:
+            raise CourseError(f"{path}: the log does not hold how the robot was set up")
+        command = pilot.tick(seen)
+        if not by_hand and log.expected is not None:
+            log.apply(command)
+        if not states or pilot.state != states[-1][1]:
+            states.append((float(seen.time), str(pilot.state)))
+        if log.applied % 500 == 0:
+            on_time(min(1.0, log.applied / TICKS))
+    if not log.applied:
         raise CourseError(f"{path}: no observations with commands in it")
-    return Replay(commands, different, first, tuple(states))
+    return Replayed(log.applied, log.different, log.first_different, tuple(states))
 
 
-def _press(pilot: Autopilot, button: object) -> None:
+def _press(pilot: Autopilot, button: Button) -> None:
     """What the crew did, as it stands in the log."""
     if button.name == "start":
         pilot.start()
@@ -120,12 +118,3 @@ def _press(pilot: Autopilot, button: object) -> None:
     elif button.name == "placed":
         *pose, after = (float(number) for number in str(button.value).split())
         pilot.restart(pose, after)
-
-
-def _equal(ours: Command, told: Command) -> bool:
-    return (
-        np.array_equal(ours.speeds, told.speeds)
-        and np.array_equal(ours.angles, told.angles)
-        and (ours.intake, ours.release, ours.watch) == (told.intake, told.release, told.watch)
-        and (ours.pan, ours.tilt) == (told.pan, told.tilt)
-    )
