@@ -33,7 +33,7 @@ import numpy as np
 from robocon_course.mission import LIMITS, STRATEGIES
 from robocon_course.simulator.match import KINDS, Fault
 from robocon_course.simulator.referee import MUA_VANG, OPPONENTS
-from robocon_course.worlds.match import MatchResult, Play, play_match, season
+from robocon_course.worlds import MatchResult, Play, play_match, season
 from robocon_course.worlds.missions import board_game, board_season
 
 Run = Callable[[Callable, list], Iterable]

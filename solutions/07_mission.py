@@ -556,23 +556,13 @@ for opponent in OPPONENTS:
 
 
 # %%
-def silos_at(result, moment):
-    """What the referee had seen in the silos by a moment [s]."""
-    fillings = [""] * 5
-    for event in result.events:
-        if event.what == "stored" and event.time <= moment:
-            number, _, filling = event.detail.removeprefix("silo ").partition(": ")
-            fillings[int(number) - 1] = filling
-    return fillings
-
-
 def draw_moment(second):
     """The way of the last ten seconds, and the state."""
     upto = max(2, int(np.searchsorted(first.time, second)))
     since = max(0, int(np.searchsorted(first.time, second - 10.0)))
     state, reason = [h[1:] for h in first.history if h[0] <= second][-1]
     fig = missions.draw_match(first.poses[since:upto], first.states[since:upto])
-    held = " ".join(f or "–" for f in silos_at(first, second))
+    held = " ".join(f or "–" for f in first.fillings_at(second))
     return fig, f"After {second} s: {state} ({reason}). The silos hold {held}."
 
 

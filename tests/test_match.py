@@ -34,7 +34,8 @@ from robocon_course.simulator.match import (
     Fault,
     Match,
 )
-from robocon_course.worlds.match import EVERY, MatchResult, Play, play_match, season
+from robocon_course.worlds import MatchResult, Play, play_match, season
+from robocon_course.worlds.season import EVERY
 
 STAND = Command.stop()
 SAMPLE = (1, 2)

@@ -15,8 +15,7 @@ from robocon_course.mission import State
 from robocon_course.simulator.match import Fault
 from robocon_course.simulator.referee import Event
 from robocon_course.view import _film, _record, missions, pictures
-from robocon_course.worlds import play_match
-from robocon_course.worlds.match import MatchResult
+from robocon_course.worlds import MatchResult, play_match
 
 FEED = [Event(t, "transfer", "own") for t in (12.0, 19.0)]
 EVENTS = (
@@ -279,7 +278,7 @@ def played():
 
 def test_a_record_s_end_is_what_the_referee_said(played):
     assert _record.points_at(played, played.ended) == (played.points, played.their_points)
-    assert tuple(_record.fillings_at(played, played.ended)) == played.fillings
+    assert played.fillings_at(played.ended) == played.fillings
     assert _record.own_letter(played) == "B"
 
 

@@ -14,7 +14,6 @@ from robocon_course._arrays import FloatArray
 from robocon_course.swerve import field_to_robot, module_targets
 from robocon_course.view._record import (
     counts_for,
-    fillings_at,
     holding,
     in_words,
     last_seen,
@@ -186,7 +185,7 @@ class _Film:
 
     def _silos(self, pen: ImageDraw.ImageDraw, now: float) -> None:
         """The five silos as stacks of balls, each at the height of its silo in Area 3."""
-        for k, filling in enumerate(fillings_at(self.result, now)):
+        for k, filling in enumerate(self.result.fillings_at(now)):
             row = HEAD + (field.SIZE + field.FENCE_THICKNESS - field.SILOS[k][1]) * PER_METRE
             good = counts_for(filling)
             box = [WIDTH + 21, row - 24, WIDTH + 41, row + 24]

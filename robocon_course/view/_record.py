@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robocon_course.field import SILOS
 from robocon_course.mission import owner
 from robocon_course.simulator.referee import SEEDLING, STORED, TRANSFER
+from robocon_course.worlds.match_result import stored_in
 
 if TYPE_CHECKING:
     from robocon_course.worlds import MatchResult
@@ -54,22 +54,6 @@ def own_letter(result: MatchResult) -> str:
 def in_words(state: str) -> str:
     """What the robot does in a state; a state of another mission keeps its name."""
     return DOING.get(state, state.replace("_", " "))
-
-
-def fillings_at(result: MatchResult, now: float) -> list[str]:
-    """What the five silos held at a time [s], each from bottom to top."""
-    held = [""] * len(SILOS)
-    for event in result.events:
-        if event.what == "stored" and event.time <= now:
-            silo, filling = stored_in(event.detail)
-            held[silo] = filling
-    return held
-
-
-def stored_in(detail: str) -> tuple[int, str]:
-    """Which silo, from 0, and what it then held: of a detail such as ``silo 3: RB``."""
-    number, _, filling = detail.removeprefix("silo ").partition(": ")
-    return int(number) - 1, filling
 
 
 def counts_for(filling: str) -> str:

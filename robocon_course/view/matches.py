@@ -13,15 +13,14 @@ from robocon_course import field
 from robocon_course.view._film import animate_match
 from robocon_course.view._record import (
     counts_for,
-    fillings_at,
     own_letter,
     points_at,
-    stored_in,
 )
 from robocon_course.view.canvas import RAW, TRUTH, figure, styled
 from robocon_course.view.field_picture import OUR_HALF, draw_ground
 from robocon_course.view.lines import draw_lines
 from robocon_course.view.missions import BALL, KINDS, kind_of_state
+from robocon_course.worlds.match_result import stored_in
 
 if TYPE_CHECKING:
     from robocon_course.worlds import MatchResult
@@ -169,7 +168,7 @@ def match_twin(result: MatchResult) -> str:
     there = result.time[result.poses[:, 1] > field.AREA_3_LINE]
     arrived = f"in Area 3 after {there[0]:.0f} s, " if len(there) else "never in Area 3, "
     first = f", the first after {own[0]:.0f} s" if own else ""
-    silos = ", ".join(filling or "–" for filling in fillings_at(result, result.ended))
+    silos = ", ".join(filling or "–" for filling in result.fillings_at(result.ended))
     return (
         f"Match with seed {result.seed}, {NAMES[own_letter(result)]}: {how} by {result.reason} "
         f"after {result.ended:.0f} s, {result.points} to {result.their_points} points; {arrived}"

@@ -23,7 +23,8 @@ from robocon_course.worlds.imu import (
     rest_means,
     rough_drive,
 )
-from robocon_course.worlds.match import MatchResult, Play, play_match, season
+from robocon_course.worlds.match import Play
+from robocon_course.worlds.match_result import MatchResult, stored_in
 from robocon_course.worlds.practice import (
     PUBLISHED,
     SOURCE_PATHS,
@@ -34,6 +35,7 @@ from robocon_course.worlds.practice import (
     winding_path,
 )
 from robocon_course.worlds.robot import own_robot, own_wheels
+from robocon_course.worlds.season import play_match, season
 from robocon_course.worlds.student import Student, generator, student_number
 from robocon_course.worlds.swerve import SlipLog, SwerveWorld, slip_log, swerve_world
 from robocon_course.worlds.to_area_3 import FieldDrive, calibrated_wheels, field_drive
@@ -120,6 +122,7 @@ __all__ = [
     "slip_log",
     "some_boxes",
     "some_cart",
+    "stored_in",
     "strewn_boxes",
     "student_number",
     "swerve_world",
