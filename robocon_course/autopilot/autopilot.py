@@ -23,7 +23,7 @@ from robocon_course._arrays import CourseError, FloatArray, as_floats
 from robocon_course.autopilot.following import Following, FollowSettings, follow_step
 from robocon_course.autopilot.modules import hold, module_command
 from robocon_course.autopilot.parts import Parts
-from robocon_course.autopilot.plays import PLAYS, Order, approach_to_ball
+from robocon_course.autopilot.plays import PLAYS, SOUTH, Order, approach_to_ball
 from robocon_course.autopilot.route import DriveLimits, Route, plan_route
 from robocon_course.autopilot.sensing import Reckoning, lidar_y, reckon
 from robocon_course.autopilot.sight import Sight
@@ -443,7 +443,7 @@ class Autopilot:
     def _turned(self, wanted: float) -> float:
         """The heading to hold: the wanted one where there is room to turn, else the last."""
         x, y, theta = self.pose
-        room = min(x, field.EDGE - x, field.SIZE - y, y - 8.0 if y > 8.0 else y)
+        room = min(x, field.EDGE - x, field.SIZE - y, y - SOUTH if y > SOUTH else y)
         if room > TURN_ROOM or abs(remainder(wanted - theta, TURN)) < 0.1:
             self._heading = wanted
         return self._heading

@@ -22,6 +22,8 @@ from robocon_course.robot import SIDE
 if TYPE_CHECKING:
     from robocon_course.autopilot.autopilot import Autopilot
 
+SOUTH = field.STORAGE_ZONE.y0
+"""Edge of Storage Zone and Area 3 towards Area 2 [m]."""
 VIEW_POST = (2.75, 10.0, pi)
 """In the middle of the slope, looking at the pile [m, m, rad; map]."""
 SILO_X = 4.75
@@ -30,6 +32,8 @@ BEFORE_SILO, AT_SILO = 5.15, 5.50
 """Robot's middle before a silo and when it lets go [m]; its arm reaches half a metre ahead."""
 BACK = 0.45
 """So far it goes back from balls [m]."""
+FRONT = 0.33
+"""From the robot's middle to what its front pushes [m]."""
 PUSH_TO = 1.45
 """So far it goes into the pile [m]."""
 WALL = 0.16
@@ -99,7 +103,7 @@ def fits(x: float, y: float, heading: float, wall: float = WALL) -> bool:
         In the Storage Zone and Area 3 only.
     """
     reach = 0.5 * SIDE * (abs(cos(heading)) + abs(sin(heading))) + wall
-    return reach <= x <= field.EDGE - reach and 8.0 + reach <= y <= field.SIZE - reach
+    return reach <= x <= field.EDGE - reach and SOUTH + reach <= y <= field.SIZE - reach
 
 
 def _stand(pilot: Autopilot) -> Order:
@@ -122,15 +126,15 @@ def _search_balls(pilot: Autopilot) -> Order:
 
 def _push(pilot: Autopilot) -> Order:
     if "push" not in pilot.notes:
-        balls = pilot.sight.balls or [None]
-        own = [ball for ball in balls if ball and ball.colour == pilot.team]
-        others = own or [ball for ball in balls if ball]
-        y = float(np.mean([ball.y for ball in others])) if others else field.PILE_TARGET[1]
-        x = float(np.mean([ball.x for ball in others])) + 0.33 if others else PUSH_TO
+        balls = pilot.sight.balls
+        among = [ball for ball in balls if ball.colour == pilot.team] or balls
+        x, y = PUSH_TO, field.PILE_TARGET[1]
+        if among:
+            x = float(np.mean([ball.x for ball in among])) + FRONT
+            y = float(np.mean([ball.y for ball in among]))
         reach = 0.5 * SIDE + WALL
-        pilot.notes["push"] = (
-            max(x, reach), min(max(y, 8.0 + reach), field.SIZE - reach), pi,
-        )  # fmt: skip
+        y = min(max(y, SOUTH + reach), field.SIZE - reach)
+        pilot.notes["push"] = (max(x, reach), y, pi)
     return Order(pilot.notes["push"], PUSHING)
 
 
@@ -283,12 +287,16 @@ def approach_to_ball(pilot: Autopilot) -> Approach | None:
     return way if fits(*_end(way), way.heading, CLOSE) else None  # it rolled to a wall
 
 
+def _seen_from(pilot: Autopilot, heading: float, ball: SeenBall) -> tuple[float, float]:
+    """How far a ball lies ahead of the robot's middle, and to its left, along a heading [m]."""
+    dx, dy = ball.x - pilot.pose[0], ball.y - pilot.pose[1]
+    return cos(heading) * dx + sin(heading) * dy, cos(heading) * dy - sin(heading) * dx
+
+
 def _other_at_rollers(way: Approach, pilot: Autopilot) -> bool:
     """Whether a ball of another colour may come to the rollers."""
-    c, s = cos(way.heading), sin(way.heading)
     for other in pilot.sight.other_colours(pilot.team):
-        dx, dy = other.x - pilot.pose[0], other.y - pilot.pose[1]
-        ahead, aside = c * dx + s * dy, c * dy - s * dx
+        ahead, aside = _seen_from(pilot, way.heading, other)
         if 0.2 < ahead < 0.56 and abs(aside) < LANE:
             return True
     return False
@@ -296,11 +304,9 @@ def _other_at_rollers(way: Approach, pilot: Autopilot) -> bool:
 
 def _barred(way: Approach, pilot: Autopilot, balls: list[SeenBall]) -> bool:
     """Whether another ball has come between the rollers and the ball."""
-    c, s = cos(way.heading), sin(way.heading)
-    far = c * (way.ball.x - pilot.pose[0]) + s * (way.ball.y - pilot.pose[1])
+    far, _ = _seen_from(pilot, way.heading, way.ball)
     for other in balls:
-        dx, dy = other.x - pilot.pose[0], other.y - pilot.pose[1]
-        ahead, aside = c * dx + s * dy, c * dy - s * dx
+        ahead, aside = _seen_from(pilot, way.heading, other)
         in_its_place = hypot(other.x - way.ball.x, other.y - way.ball.y) < 0.12
         in_front = 0.3 < ahead < far - 0.03 and abs(aside) < 0.12
         if other.colour != pilot.team and (in_front or in_its_place):

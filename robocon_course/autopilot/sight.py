@@ -17,7 +17,7 @@ from robocon_course.mission import SeenBall
 from robocon_course.robot import MODULES, Frame
 from robocon_course.vision import BALLS, SILOS, Camera, Detections, Sighting, load_detector
 from robocon_course.vision.camera import camera_pose
-from robocon_course.vision.locate import on_floor
+from robocon_course.vision.locate import both_rulers, on_floor
 
 CAMERA = Camera()
 _RADIUS = 0.5 * field.BALL_DIAMETER
@@ -248,11 +248,7 @@ class Sight:
             return None
         size = self.parts.bearing_and_range(box, CAMERA, view.tilt)
         ground = on_floor(box, CAMERA, view.tilt, view.height - floor)
-        if not isfinite(ground.range):
-            return size
-        trust = size.range_sigma**-2, ground.range_sigma**-2
-        far = (size.range * trust[0] + ground.range * trust[1]) / sum(trust)
-        return Sighting(size.bearing, far, size.bearing_sigma, sum(trust) ** -0.5)
+        return both_rulers(size, ground)
 
     def _see_silos(self, view: View, found: Detections, time: float) -> None:
         groups: dict[int, list[int]] = {}

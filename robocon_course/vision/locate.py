@@ -140,6 +140,22 @@ def locate_ball(box: ArrayLike, camera: Camera, tilt: float, height: float) -> S
     if hidden > 0:
         aside = size.bearing_sigma + hidden / camera.focal
         size = size._replace(bearing_sigma=aside, range_sigma=size.range)
+    return both_rulers(size, floor)
+
+
+def both_rulers(size: Sighting, floor: Sighting) -> Sighting:
+    """One sighting from a ball's size and from the floor, each weighted by its variance.
+
+    Parameters
+    ----------
+    size, floor : Sighting
+        As `bearing_and_range` and `on_floor` give them.
+
+    Returns
+    -------
+    Sighting
+        The first alone, where the floor says nothing.
+    """
     if not np.isfinite(floor.range):
         return size
     trust = size.range_sigma**-2, floor.range_sigma**-2
