@@ -12,6 +12,7 @@
 ``pilot``       `Pilot`: drives one route, observation by observation
 ``walls``       distances to walls -> a better pose
 ``sight``       pictures -> balls and silos on the map
+``driver``      `Driver`: to one pose after the other
 ``plays``       what to do in each state of the mission
 ``autopilot``   `Autopilot`: a whole match, observation by observation
 ``telemetry``   what it tells on the bus

@@ -11,7 +11,6 @@ value.
 
 from __future__ import annotations
 
-from functools import cache
 from math import hypot, inf, isfinite, nan, remainder
 from typing import Any
 
@@ -20,16 +19,13 @@ from numpy.typing import ArrayLike
 
 from robocon_course import field
 from robocon_course._arrays import CourseError, FloatArray, as_floats
-from robocon_course.autopilot.following import Following, FollowSettings, follow_step
-from robocon_course.autopilot.modules import hold, module_command
+from robocon_course.autopilot.driver import NEAR, Driver
 from robocon_course.autopilot.parts import Parts
-from robocon_course.autopilot.plays import PLAYS, SOUTH, Order, approach_to_ball
-from robocon_course.autopilot.route import DriveLimits, Route, plan_route
+from robocon_course.autopilot.plays import PLAYS, Order, approach_to_ball
 from robocon_course.autopilot.sensing import Reckoning, lidar_y, reckon
 from robocon_course.autopilot.sight import Sight
 from robocon_course.autopilot.walls import Walls, correct, found_again
-from robocon_course.geometry import TURN, distance_along
-from robocon_course.gridmap import GridMap
+from robocon_course.geometry import TURN
 from robocon_course.mission import (
     LETTERS,
     RESETS,
@@ -42,7 +38,6 @@ from robocon_course.mission import (
     mission_table,
 )
 from robocon_course.odometry import TrackingWheels
-from robocon_course.planning import NoPathError
 from robocon_course.robot import DEAD_WHEELS, Command, Observation
 
 START_POSE = (*field.START, 0.0)
@@ -52,12 +47,6 @@ LONGEST_PAUSE = 10.0
 """A clock that leaps farther, or back, is taken for another clock [s]."""
 STANDS = 0.03
 """Slower than this by its wheels it stands [m/s]."""
-NEAR = 0.03
-"""So near to its target the robot holds it, without a path [m]."""
-MOVED = 0.015
-"""A target that moves farther than this gets a new path [m]."""
-TURN_ROOM = 0.475
-"""From the middle to a wall: nearer the robot does not turn [m]."""
 FIRST_BALL = 40.0
 """When the other team is expected to come first [s]."""
 STORING_TAKES = 4.0
@@ -67,7 +56,6 @@ GRIPS = 0.4
 SPEAKS = 400
 """So many lines of its log are kept."""
 BALL_STATES = (State.DETECT_BALL, State.SEARCH_BALL, State.TAKE_BALL, State.BACK_TO_STORAGE)
-DRIVES = FollowSettings(spin=3.0)
 
 
 class Autopilot:
@@ -97,8 +85,8 @@ class Autopilot:
     sight : Sight
         Balls and silos.
     walls : Walls
-    plan : ndarray, shape (n, 2)  [m, map]
-        The path it drives.
+    driver : Driver
+        Brings it where the mission wants it.
     speaks : list of (float, str, str)
         Time [s], level and text of what the operator should know.
     spoken : int
@@ -134,19 +122,15 @@ class Autopilot:
         self.walls = Walls(np.full(2, 0.005), as_floats(offsets, "offsets", 4))
         self.sight = Sight(self.parts, team)
         self.notes: dict[str, Any] = {}
-        self.plan: FloatArray = np.empty((0, 2))
         self.speaks: list[tuple[float, str, str]] = []
         self.spoken = 0
-        self.now, self.ordered, self._leapt = 0.0, (0.0, 0.0), 0.0
+        self.now, self._leapt = 0.0, 0.0
         self._begins, self._ends, self._began = inf, inf, 0.0
         self._stored: list[float] = []
         self._watch, self._speed, self._motion = Watch(), 0.0, np.zeros(2)
-        self._route: Route | None = None
-        self._target: tuple[float, float, float] | None = None
-        self._following: Following | None = None
         self._tried = 0
         self._order, self._held, self._sought = Order(), False, -inf
-        self._heading = float(self.reckoning.pose[2])
+        self.driver = Driver(self.parts, float(self.reckoning.pose[2]))
 
     # --- the crew ---------------------------------------------------------------------------------
 
@@ -186,7 +170,7 @@ class Autopilot:
         self.reckoning = self.reckoning._replace(pose=pose, heading=heading)
         self.walls = self.walls._replace(sigma=np.full(2, 0.005), lost_for=(0.0, 0.0))
         self._begins = self.now + after
-        self._heading = float(pose[2])
+        self.driver.heading = float(pose[2])
         self.history = self.table.begin(self.now)
         self._enter(State.RESET)
         self._say("info", "retry")
@@ -259,7 +243,10 @@ class Autopilot:
                 self.notes["approach"] = approach_to_ball(self)
         self._decide(seen)
         self._order = order = PLAYS[self.state](self)
-        command = self._drive(order, seen)
+        target = None if self.facts.blind else order.target
+        command = self.driver.drive(target, order.limits, self.reckoning, seen.module_angles)
+        if self.driver.trouble:
+            self._say("warning", self.driver.trouble)
         return Command(
             command.speeds, command.angles, order.intake, order.release, order.pan, order.tilt,
             order.watch,
@@ -320,7 +307,7 @@ class Autopilot:
 
     def _facts(self, seen: Observation) -> Facts:
         notes, target, state = self.notes, self._order.target, self.state
-        speed = hypot(*self.ordered)
+        speed = hypot(*self.driver.ordered)
         self._watch, stuck = self.parts.is_stuck(self._watch, self.now, self.pose, speed)
         arrived = target is not None and self.near(target, NEAR, 0.08) and self.standing
         if state is State.GO_TO_AREA_3:
@@ -373,7 +360,7 @@ class Autopilot:
         elif state not in (State.DETECT_BALL, State.REVERSE):
             self._tried = 0
         self._watch = Watch()
-        self._route = self._target = self._following = None
+        self.driver.forget()
         if self.history.steps:
             self._say("info", f"{state.value}: {self.history.steps[-1].reason}")
 
@@ -381,75 +368,3 @@ class Autopilot:
         self.speaks.append((self.now, level, text))
         self.spoken += 1
         del self.speaks[:-SPEAKS]
-
-    # --- driving ----------------------------------------------------------------------------------
-
-    def _drive(self, order: Order, seen: Observation) -> Command:
-        """The command that leads to the order's target."""
-        dt = self.reckoning.dt
-        if order.target is None or not isfinite(dt) or self.facts.blind:
-            self.ordered = (0.0, 0.0)
-            return hold(seen.module_angles)
-        self._aim(order)
-        fresh = self.reckoning.fresh
-        if self._following is None or self.near(order.target, NEAR, inf):
-            twist = self._homing(order.target) if fresh else (0.0, 0.0, 0.0)
-        else:
-            pose = self.pose if fresh else np.full(3, nan)
-            self._following = follow_step(
-                self.parts, self._following, self._route, pose, dt,
-                heading=self._turned(order.target[2]), settings=DRIVES,
-            )  # fmt: skip
-            twist = self._following.twist
-        self.ordered = twist[0], twist[1]
-        return module_command(self.parts, twist, self.pose[2], seen.module_angles, dt=dt)
-
-    def _aim(self, order: Order) -> None:
-        """A path to the order's target, if it is another one."""
-        target, last = order.target, self._target
-        if last is not None and hypot(target[0] - last[0], target[1] - last[1]) < MOVED:
-            return
-        self._target = target
-        self._route = self._route_to(target[:2], order.limits)
-        self._following = None if self._route is None else Following.begin(self._route)
-        self.plan = np.empty((0, 2)) if self._route is None else self._route.xy
-
-    def _route_to(self, goal: tuple[float, float], limits: DriveLimits) -> Route | None:
-        """Straight through Area 3 and the Storage Zone; else by a search on the map."""
-        start = self.pose[:2]
-        if min(start[1], goal[1]) < field.AREA_3_LINE - 0.1:
-            try:
-                return plan_route(self.parts, _grid("astar" in self.parts.mine), start, goal,
-                                  limits=limits)  # fmt: skip
-            except NoPathError as error:
-                self._say("warning", str(error))
-        far = hypot(goal[0] - start[0], goal[1] - start[1])
-        if far < 0.5 * NEAR:
-            return None
-        xy = np.linspace(start, goal, max(3, round(far / 0.1) + 1))
-        speeds = self.parts.speed_profile(xy, limits.speed, limits.accel, limits.lateral)
-        return Route(xy, distance_along(xy), np.asarray(speeds, float))
-
-    def _homing(self, target: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Straight to a target that is all but reached [m/s, m/s, rad/s; map]."""
-        x, y, theta = self.pose
-        vx, vy = 3.0 * (target[0] - x), 3.0 * (target[1] - y)
-        speed = hypot(vx, vy)
-        if speed > 0.3:
-            vx, vy = 0.3 * vx / speed, 0.3 * vy / speed
-        off = remainder(self._turned(target[2]) - theta, TURN)
-        return float(vx), float(vy), float(min(max(3.0 * off, -2.0), 2.0))
-
-    def _turned(self, wanted: float) -> float:
-        """The heading to hold: the wanted one where there is room to turn, else the last."""
-        x, y, theta = self.pose
-        room = min(x, field.EDGE - x, field.SIZE - y, y - SOUTH if y > SOUTH else y)
-        if room > TURN_ROOM or abs(remainder(wanted - theta, TURN)) < 0.1:
-            self._heading = wanted
-        return self._heading
-
-
-@cache
-def _grid(coarse: bool) -> GridMap:
-    """The field to plan on: coarser where the search is a student's own, in plain Python."""
-    return field.obstacle_map(0.05 if coarse else 0.01)

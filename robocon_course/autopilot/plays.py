@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from robocon_course import field
+from robocon_course.autopilot.driver import SOUTH
 from robocon_course.autopilot.route import DriveLimits
 from robocon_course.field import BALL_DIAMETER
 from robocon_course.mission import Approach, SeenBall, State, is_full
@@ -22,8 +23,6 @@ from robocon_course.robot import SIDE
 if TYPE_CHECKING:
     from robocon_course.autopilot.autopilot import Autopilot
 
-SOUTH = field.STORAGE_ZONE.y0
-"""Edge of Storage Zone and Area 3 towards Area 2 [m]."""
 VIEW_POST = (2.75, 10.0, pi)
 """In the middle of the slope, looking at the pile [m, m, rad; map]."""
 SILO_X = 4.75
@@ -233,7 +232,7 @@ def _free(pilot: Autopilot) -> Order:
     """Stuck: back the way it came, a little."""
     if "from" not in pilot.notes:
         x, y, theta = (float(number) for number in pilot.pose)
-        vx, vy = pilot.ordered
+        vx, vy = pilot.driver.ordered
         speed = hypot(vx, vy)
         away = (-vx / speed, -vy / speed) if speed > 0.01 else (-cos(theta), -sin(theta))
         pilot.notes["from"] = (x + 0.3 * away[0], y + 0.3 * away[1], theta)

@@ -57,9 +57,9 @@ class Telemetry:
             for time, level, text in pilot.speaks[self._said - pilot.spoken :]:
                 bus.publish("/rosout", Log(time, level, text))
             self._said = pilot.spoken
-        if pilot.plan is not self._plan:
-            self._plan = pilot.plan
-            bus.publish("/plan", Path(now, pilot.plan))
+        if pilot.driver.plan is not self._plan:
+            self._plan = pilot.driver.plan
+            bus.publish("/plan", Path(now, pilot.driver.plan))
         if pilot.sight.frames != self._frames:
             self._frames = pilot.sight.frames
             self._tell_picture(seen)

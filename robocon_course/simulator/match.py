@@ -6,20 +6,20 @@ A `Match` is a `Robot`: `read` and `apply` are all that autonomy sees of it. Who
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from math import cos, hypot, pi, radians, sin
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from robocon_course import field
 from robocon_course._arrays import CourseError, FloatArray
-from robocon_course.mission import LETTERS, is_full, order_b
+from robocon_course.mission import LETTERS, order_b
 from robocon_course.robot import Command, Frame, LidarReading, Observation
 from robocon_course.simulator import balls as rolling
 from robocon_course.simulator.balls import FREE, HELD, OUT, Balls
 from robocon_course.simulator.camera import FieldCamera, view_from
+from robocon_course.simulator.faults import HAPPENS, KINDS, Fault, slipping
 from robocon_course.simulator.glimpse import balls_seen, silos_seen
 from robocon_course.simulator.machine import START, Simulator
 from robocon_course.simulator.model import RobotModel
@@ -51,29 +51,7 @@ BORE = 0.06
 """A ball that falls no farther than this beside a silo's middle slides in [m]."""
 FEED = (12.0, 7.0, 24)
 """Robot 1 sends a ball from then on, so often, so many, own and empty in turns [s, s]."""
-KINDS = ("dark", "lidar", "slip", "drop", "filled", "kidnap", "frozen")
 STREAMS = ("pile", "placing", "opponent", "feed", "camera", "sensors")
-
-
-class Fault(NamedTuple):
-    """Something that goes wrong.
-
-    Attributes
-    ----------
-    kind : str
-        ``"dark"``: the camera sees black. ``"lidar"``: no LiDAR answers. ``"slip"``: a dead wheel
-        slips. ``"drop"``: the ball is lost from the gripper. ``"filled"``: the other team fills the
-        silo that the robot is about to reach. ``"kidnap"``: somebody puts the robot elsewhere.
-        ``"frozen"``: every read gives the same observation.
-    start : float  [s]
-        Of the match.
-    duration : float  [s]
-        Where it lasts.
-    """
-
-    kind: str
-    start: float
-    duration: float = 5.0
 
 
 class Match:
@@ -181,7 +159,7 @@ class Match:
     def start(self) -> None:
         """The clock runs from now on."""
         self.started = self.robot.time
-        self.robot.sensors = _slipping(self.robot.sensors, self.faults, self.started)
+        self.robot.sensors = slipping(self.robot.sensors, self.faults, self.started)
         self._next_frame = self.robot.time
 
     def _put(self, pose: FloatArray) -> FloatArray:
@@ -294,7 +272,7 @@ class Match:
         c, s = cos(pose[2]), sin(pose[2])
         if ball >= 0 and pull < 0.0:
             reach = 0.45
-            self._put_down(ball, (pose[0] + reach * c, pose[1] + reach * s), (0.4 * c, 0.4 * s))
+            self.put_down(ball, (pose[0] + reach * c, pose[1] + reach * s), (0.4 * c, 0.4 * s))
         if self._released < LETTING_GO:
             return
         self._released = 0.0
@@ -307,10 +285,11 @@ class Match:
             self.balls.place[ball] = OUT
             self.referee.note(self.clock, "lost ball", "own", f"{away[silo]:.3f} m beside a silo")
         else:
-            self._put_down(ball, (x, y), (0.0, 0.0))
+            self.put_down(ball, (x, y), (0.0, 0.0))
             self.referee.note(self.clock, "lost ball", "own", "let go over the floor")
 
-    def _put_down(self, ball: int, xy: tuple, velocity: tuple) -> None:
+    def put_down(self, ball: int, xy: tuple, velocity: tuple) -> None:
+        """A held ball lies on the floor, or rolls there [m, m/s; map]."""
         self.balls.xy[ball] = np.clip(xy, rolling.LOW, rolling.HIGH)
         self.balls.velocity[ball] = velocity
         self.balls.place[ball] = FREE
@@ -397,45 +376,6 @@ class Match:
             if happen is not None and happen(self, pose):
                 self._done.add(fault)
                 self.referee.note(self.clock, "fault", "own", fault.kind)
-
-    def _drop(self, pose: FloatArray) -> bool:
-        if self.balls.held < 0:
-            return False
-        c, s = cos(pose[2] + 0.6), sin(pose[2] + 0.6)
-        self._put_down(self.balls.held, (pose[0] + 0.6 * c, pose[1] + 0.6 * s), (0.5 * c, 0.5 * s))
-        return True
-
-    def _fill(self, pose: FloatArray) -> bool:
-        if self.balls.held < 0 or pose[0] < 5.0:
-            return False
-        silo = int(np.argmin([abs(pose[1] - y) for _, y in field.SILOS]))
-        while not is_full(self.referee.fillings[silo]) and not self.over:
-            self.referee.store(self.clock, "theirs", silo)
-        return True
-
-    def _kidnap(self, pose: FloatArray) -> bool:
-        if pose[1] < 8.6 or not 3.3 < pose[0] < 5.4 or abs(sin(2.0 * pose[2])) > 0.1:
-            return False
-        aside = 1.1 if pose[1] < 10.0 else -1.1
-        self.robot.place((max(pose[0] - 0.6, 3.4), pose[1] + aside, pose[2]))
-        return True
-
-
-HAPPENS: dict[str, Callable[[Match, FloatArray], bool]] = {
-    "drop": Match._drop,
-    "filled": Match._fill,
-    "kidnap": Match._kidnap,
-}
-
-
-def _slipping(sensors: SensorModel, faults: Sequence[Fault], begin: float) -> SensorModel:
-    """Sensors of which a dead wheel does not turn with the floor for a while.
-
-    The match begins at ``begin`` [s] on the robot's clock.
-    """
-    gaps = tuple((0, begin + f.start, begin + f.start + min(f.duration, 0.3))
-                 for f in faults if f.kind == "slip")  # fmt: skip
-    return replace(sensors, encoder_gaps=(*sensors.encoder_gaps, *gaps)) if gaps else sensors
 
 
 def _refuse(name: str, got: object, known: Sequence) -> None:
