@@ -6,7 +6,9 @@ import importlib.util
 import os
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import ModuleType
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -66,3 +68,24 @@ def recordings() -> Path:
     if not folder.is_dir():
         missing(f"no recordings at {folder}")
     return folder
+
+
+@cache
+def solved_parts() -> Any:
+    """The parts that a student has who solved every lesson as its solution does, plain Python."""
+    from robocon_course import lessons
+    from robocon_course.exercises import registry, robot_parts
+    from robocon_course.exercises.model import Exercise
+    from robocon_course.exercises.source import assemble, from_cells
+    from robocon_course.exercises.workspace import Workspace
+
+    with TemporaryDirectory() as folder:
+        workspace = Workspace(folder)
+        for about in registry.chapters():
+            source = lessons.read_source(ROOT / "solutions" / f"{about.name}.py")
+            cells = [cell.source for cell in source.cells if cell.cell_type == "code"]
+            for exercise in about.exercises:
+                if isinstance(exercise, Exercise):
+                    answer = assemble(exercise.function_name, from_cells(cells))
+                    workspace.accept(exercise.id, answer.text)
+        return robot_parts("mine", workspace=workspace)

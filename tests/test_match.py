@@ -15,8 +15,9 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 
-from conftest import benchmark
+from conftest import benchmark, solved_parts
 from robocon_course._arrays import CourseError
+from robocon_course.autopilot import Parts
 from robocon_course.mission import State
 from robocon_course.robot import SIDE, Bus, Command, messages
 from robocon_course.robot.messages import Button, Twist
@@ -614,3 +615,21 @@ def test_a_robot_that_was_stopped_goes_on_when_start_is_pressed_and_the_clock_ra
     assert play.pilot.state is State.GO_TO_AREA_3
     assert hypot(*(play.match.robot.motion[0] - here)[:2]) > 0.5
     assert play.pilot._ends == pytest.approx(play.match.started + 180.0, abs=0.02)
+
+
+def test_parts_that_are_all_a_students_own_bring_two_balls_to_silos():
+    play = Play(0, solved_parts(), seed=1, opponent=None, strategy="A")
+    assert play.pilot.parts.label == "mine"
+    play.start()
+    while play.match.clock < 50.0 and play.match.referee.count("stored") < 2:
+        play.tick()
+    assert play.match.referee.count("stored") == 2 and play.match.referee.count("foul") == 0
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("share", [2, 1])
+def test_with_some_and_all_parts_a_students_own_a_whole_match_is_won(share):
+    own = solved_parts()
+    mine = own.mine[::share]
+    parts = replace(Parts(), **{name: getattr(own, name) for name in mine}, mine=mine)
+    assert play_match(0, parts, seed=1, strategy="A").mua_vang

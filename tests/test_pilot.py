@@ -8,13 +8,12 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from math import hypot, inf, nan, pi
-from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
 
-from conftest import ROOT
-from robocon_course import autopilot, field, lessons, worlds
+from conftest import solved_parts
+from robocon_course import autopilot, field, worlds
 from robocon_course.autopilot import (
     DriveLimits,
     Following,
@@ -29,10 +28,6 @@ from robocon_course.autopilot import (
     reckon,
     room_for_body,
 )
-from robocon_course.exercises import registry, robot_parts
-from robocon_course.exercises.model import Exercise
-from robocon_course.exercises.source import assemble, from_cells
-from robocon_course.exercises.workspace import Workspace
 from robocon_course.geometry import distance_along
 from robocon_course.gridmap import GridMap
 from robocon_course.planning import NoPathError, line_of_sight
@@ -539,21 +534,6 @@ def test_a_drive_that_makes_no_sense_is_refused(options, sentence):
 
 
 # --- on a student's own parts ----------------------------------------------------------------
-
-
-@cache
-def solved_parts() -> Parts:
-    """The parts that a student has who solved every lesson as its solution does, plain Python."""
-    with TemporaryDirectory() as folder:
-        workspace = Workspace(folder)
-        for about in registry.chapters():
-            source = lessons.read_source(ROOT / "solutions" / f"{about.name}.py")
-            cells = [cell.source for cell in source.cells if cell.cell_type == "code"]
-            for exercise in about.exercises:
-                if isinstance(exercise, Exercise):
-                    answer = assemble(exercise.function_name, from_cells(cells))
-                    workspace.accept(exercise.id, answer.text)
-        return robot_parts("mine", workspace=workspace)
 
 
 def test_on_parts_that_are_all_a_students_own_the_robot_arrives_in_area_3():

@@ -17,7 +17,7 @@ from robocon_course.mission import SeenBall
 from robocon_course.robot import MODULES, Frame
 from robocon_course.vision import BALLS, SILOS, Camera, Detections, Sighting, load_detector
 from robocon_course.vision.camera import camera_pose
-from robocon_course.vision.locate import both_rulers, on_floor
+from robocon_course.vision.locate import bearing_and_range, both_rulers, on_floor
 
 CAMERA = Camera()
 _RADIUS = 0.5 * field.BALL_DIAMETER
@@ -246,7 +246,10 @@ class Sight:
         left, top, right, bottom = (float(side) for side in box)
         if not (right > left and bottom > top):
             return None
-        size = self.parts.bearing_and_range(box, CAMERA, view.tilt)
+        size = Sighting(*self.parts.bearing_and_range(box, CAMERA, view.tilt))
+        if not size.range_sigma > 0.0:  # a student's part says where, and not how surely
+            sure = bearing_and_range(box, CAMERA, view.tilt)
+            size = Sighting(size.bearing, size.range, sure.bearing_sigma, sure.range_sigma)
         ground = on_floor(box, CAMERA, view.tilt, view.height - floor)
         return both_rulers(size, ground)
 
