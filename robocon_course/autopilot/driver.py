@@ -122,8 +122,22 @@ class Driver:
         if far < 0.5 * NEAR:
             return None
         xy = np.linspace(start, goal, max(3, round(far / 0.1) + 1))
-        speeds = self.parts.speed_profile(xy, limits.speed, limits.accel, limits.lateral)
-        return Route(xy, distance_along(xy), np.asarray(speeds, float))
+        return Route(xy, distance_along(xy), self._speeds(xy, limits))
+
+    def _speeds(self, xy: FloatArray, limits: DriveLimits) -> FloatArray:
+        """The profile of a straight way, on which the robot is moving already and may not stop.
+
+        A profile begins and ends at rest. So the way is drawn longer: back to where the robot
+        would have set off to be as fast as it is now, and on to where it could stop.
+        """
+        way = (xy[-1] - xy[0]) / _gap(xy[0], xy[-1])
+        now = min(max(float(way @ self.ordered), 0.0), limits.speed)
+        before, after = 0.5 * now**2 / limits.accel, 0.5 * limits.arrive**2 / limits.accel
+        begin = [xy[0] - before * way] if before > 0.0 else []
+        end = [xy[-1] + after * way] if after > 0.0 else []
+        longer = np.array([*begin, *xy, *end])
+        speeds = self.parts.speed_profile(longer, limits.speed, limits.accel, limits.lateral)
+        return np.asarray(speeds, float)[len(begin) : len(begin) + len(xy)]
 
     def _homing(self, target: Target, pose: FloatArray) -> Target:
         """Straight to a target that is all but reached [m/s, m/s, rad/s; map]."""

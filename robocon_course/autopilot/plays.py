@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from robocon_course import field
-from robocon_course.autopilot.driver import SOUTH
+from robocon_course.autopilot.driver import DRIVES, SOUTH
 from robocon_course.autopilot.route import DriveLimits
 from robocon_course.field import BALL_DIAMETER
 from robocon_course.mission import Approach, SeenBall, State, is_full
@@ -37,7 +37,7 @@ PUSH_TO = 1.45
 """So far it goes into the pile [m]."""
 WALL = 0.16
 """Between the body and any wall where a ball is taken [m]: it may turn there."""
-PATIENCE = 0.6
+PATIENCE = 0.4
 """A ball that is driven to may be out of sight so long [s]."""
 CLOSE = 0.04
 """Between the body and any wall at the very end of that way [m]."""
@@ -51,11 +51,13 @@ GLANCE = 2.5
 """After so long the silos are taken as they are believed [s]."""
 FRESH = 6.0
 """A silo that was seen so lately counts as seen [s]."""
+SETTLES, ON_AVERAGE = 0.4, 1.5
+"""A turn takes so much longer than at its full rate [s]; speed on a short way [m/s]."""
 OVERSHOOT = 0.10
 """The robot goes on so far past where the ball should be [m]."""
 ACROSS = DriveLimits(2.0, 2.0, 1.5, 2.5)
 FAST = DriveLimits(2.6, 3.0, 1.5, 2.5)
-TAKING = DriveLimits(0.6, 2.0, 1.0, 2.5)
+TAKING = DriveLimits(0.8, 2.0, 1.0, 2.5)
 PUSHING = DriveLimits(0.9, 2.0, 1.0, 2.5)
 STORING = DriveLimits(0.8, 1.5, 1.0, 2.5)
 """Over the ramps; in Area 3; to a ball; into the pile; to a silo. The source's robot takes 0.25 m/s
@@ -150,13 +152,21 @@ def _take(pilot: Autopilot) -> Order:
         return Order(watch="ball")
     if not pilot.notes.get("straight"):
         pilot.notes["straight"] = pilot.near((*way.ready, way.heading), 0.07, 0.09)
-        return Order((*way.ready, way.heading), watch="ball")
+        return Order((*way.ready, way.heading), _rolling(pilot, way), watch="ball")
     end = _end(way)
     # The rollers take whatever comes: they turn only for the last bit of the way.
     close = pilot.near((*way.take, way.heading), 0.14, inf)
     pilot.notes["close"] = close or bool(pilot.notes.get("close"))
     intake = float(pilot.notes["close"] and not _other_at_rollers(way, pilot))
     return Order((*end, way.heading), TAKING, intake=intake, tilt=NEAR_TILT, watch="ball")
+
+
+def _rolling(pilot: Autopilot, way: Approach) -> DriveLimits:
+    """Through the place before a ball without a stop, if the robot can turn to it on the way."""
+    x, y, theta = pilot.pose
+    far = hypot(way.ready[0] - x, way.ready[1] - y)
+    turns = abs(remainder(way.heading - theta, 2 * pi)) / DRIVES.spin + SETTLES
+    return FAST._replace(arrive=TAKING.speed if far > turns * ON_AVERAGE else 0.0)
 
 
 def _end(way: Approach) -> tuple[float, float]:
@@ -204,7 +214,7 @@ def _approach(pilot: Autopilot) -> Order:
     if not pilot.notes.get("before"):
         pilot.notes["before"] = pilot.near(before, 0.06, 0.06)
         watch = "silo" if pilot.pose[0] < 4.95 else ""
-        return Order(before, tilt=SILO_TILT, watch=watch)
+        return Order(before, FAST._replace(arrive=STORING.speed), tilt=SILO_TILT, watch=watch)
     at = (AT_SILO, y, 0.0)
     if pilot.near(at, 0.012, 0.03) and pilot.standing:
         pilot.notes["let go"] = True
@@ -262,17 +272,26 @@ PLAYS: dict[State, Callable[[Autopilot], Order]] = {
 def approach_to_ball(pilot: Autopilot) -> Approach | None:
     """The ball to take, and how; while it is being taken, the same one where it is now."""
     way = pilot.notes.get("approach") if pilot.state is State.TAKE_BALL else None
-    balls = pilot.sight.balls
+    if way is not None:
+        way = _still(way, pilot)
     if way is None:
-        return pilot.parts.choose_ball(balls, pilot.team, pilot.pose, fits)
+        pilot.notes["straight"] = pilot.notes["close"] = False
+        pilot.notes["seen"] = pilot.now
+        way = pilot.parts.choose_ball(pilot.sight.balls, pilot.team, pilot.pose, fits)
+    return way
+
+
+def _still(way: Approach, pilot: Autopilot) -> Approach | None:
+    """The way to a ball that is being taken, to where it is now; None: it can't be taken so."""
+    balls = pilot.sight.balls
     straight = bool(pilot.notes.get("straight"))
-    if straight and _barred(way, pilot, balls):
+    close = bool(pilot.notes.get("close"))
+    if straight and (_barred(way, pilot, balls) or close and _other_at_rollers(way, pilot)):
         return None
     own = [ball for ball in balls if ball.colour == pilot.team]
     gaps = [hypot(ball.x - way.ball.x, ball.y - way.ball.y) for ball in own]
     if not gaps or min(gaps) > 0.2:
-        unseen = pilot.now - pilot.notes.get("seen", pilot.now)
-        return way if straight or unseen < PATIENCE else None
+        return way if pilot.now - pilot.notes.setdefault("seen", pilot.now) < PATIENCE else None
     pilot.notes["seen"] = pilot.now
     moved = own[int(np.argmin(gaps))]
     if min(gaps) < 0.015:
@@ -293,10 +312,11 @@ def _seen_from(pilot: Autopilot, heading: float, ball: SeenBall) -> tuple[float,
 
 
 def _other_at_rollers(way: Approach, pilot: Autopilot) -> bool:
-    """Whether a ball of another colour may come to the rollers."""
+    """Whether a ball of another colour may come to the rollers, or lies there already."""
+    far, _ = _seen_from(pilot, way.heading, way.ball)
     for other in pilot.sight.other_colours(pilot.team):
         ahead, aside = _seen_from(pilot, way.heading, other)
-        if 0.2 < ahead < 0.56 and abs(aside) < LANE:
+        if 0.0 < ahead < far + 0.3 * BALL_DIAMETER and abs(aside) < LANE:
             return True
     return False
 

@@ -41,12 +41,15 @@ class DriveLimits(NamedTuple):
         Across it, in bends.
     curvature : float  [1/m]
         The path bends no more.
+    arrive : float  [m/s]
+        So fast it may still be at its end.
     """
 
     speed: float = 2.0
     accel: float = 2.0
     lateral: float = 1.5
     curvature: float = 2.5
+    arrive: float = 0.0
 
 
 class Route(NamedTuple):

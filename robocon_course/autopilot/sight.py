@@ -14,7 +14,7 @@ from robocon_course._arrays import FloatArray
 from robocon_course.autopilot.parts import Parts
 from robocon_course.field.standing import standing
 from robocon_course.mission import SeenBall
-from robocon_course.robot import MODULES, Frame
+from robocon_course.robot import MODULES, SIDE, Frame
 from robocon_course.vision import BALLS, SILOS, Camera, Detections, Sighting, load_detector
 from robocon_course.vision.camera import camera_pose
 from robocon_course.vision.locate import bearing_and_range, both_rulers, on_floor
@@ -40,6 +40,8 @@ VIEW = 0.46
 """Half of the camera's view in which a ball is expected to be found [rad]."""
 UPRIGHT = 0.33
 """And half of its view from top to bottom [rad]."""
+APART = 0.12
+"""Tracks nearer to each other are of one ball [m]: two balls' middles are a diameter apart."""
 MISSES = 4
 """So often not found where it should be, a ball is gone."""
 SURE = 2
@@ -195,7 +197,7 @@ class Sight:
             self.last = frame.time
         view = view_of(pose, frame)
         if kind == "ball":
-            self._see_balls(view, found)
+            self._see_balls(view, found, pose)
         else:
             self._see_silos(view, found, frame.time)
 
@@ -224,7 +226,7 @@ class Sight:
             )
         return self._detectors[kind].detect(frame.image_bgr)
 
-    def _see_balls(self, view: View, found: Detections) -> None:
+    def _see_balls(self, view: View, found: Detections, pose: FloatArray) -> None:
         seen = []
         floor = field.STORAGE_ZONE.height
         for box, score, number in zip(found.boxes, found.scores, found.class_ids, strict=True):
@@ -239,7 +241,8 @@ class Sight:
                 x, y = view.x + sighting.range * cos(angle), view.y + sighting.range * sin(angle)
             x, y = min(max(x, LOW[0]), HIGH[0]), min(max(y, LOW[1]), HIGH[1])
             seen.append((x, y, sighting.range_sigma**2 + 1e-4, int(number), float(score)))
-        self.tracks = _matched(self.tracks, seen, lambda t: _expected_in(view, t))
+        tracks = _matched(self.tracks, seen, lambda t: _expected_in(view, t))
+        self.tracks = [track for track in tracks if not _under(pose, track)]
 
     def _located(self, box: FloatArray, view: View, floor: float) -> Sighting | None:
         """A ball on a floor of that height, by its size and by the floor together."""
@@ -304,6 +307,12 @@ def _expected_in(view: View, track: Track) -> bool:
     return abs(bearing) < VIEW and far < 2.5 and abs(down - view.tilt) < UPRIGHT
 
 
+def _under(pose: FloatArray, track: Track) -> bool:
+    """Whether the robot stands where a ball was: it pushed it away."""
+    dx, dy, c, s = track.x - pose[0], track.y - pose[1], cos(pose[2]), sin(pose[2])
+    return max(abs(c * dx + s * dy), abs(c * dy - s * dx)) < 0.5 * SIDE
+
+
 def _matched(
     tracks: list[Track],
     seen: list[tuple[float, float, float, int, float]],
@@ -331,7 +340,23 @@ def _matched(
         if j not in taken.values():
             votes = tuple(score if k == number else 0.0 for k in range(len(BALLS)))
             kept.append(Track(x, y, variance, votes, 1, 0))
-    return kept
+    return _one_each(kept)
+
+
+def _one_each(tracks: list[Track]) -> list[Track]:
+    """Tracks of which no two can be of one ball; those that were seen oftenest stay."""
+    apart: list[Track] = []
+    for track in sorted(tracks, key=lambda one: -one.hits):
+        k = next(
+            (k for k, other in enumerate(apart)
+             if hypot(track.x - other.x, track.y - other.y) < APART), None,
+        )  # fmt: skip
+        if k is None:
+            apart.append(track)
+        else:
+            votes = tuple(a + b for a, b in zip(apart[k].votes, track.votes, strict=True))
+            apart[k] = apart[k]._replace(votes=votes)
+    return apart
 
 
 def _updated(track: Track, sighting: tuple[float, float, float, int, float]) -> Track:
