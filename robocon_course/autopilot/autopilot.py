@@ -193,8 +193,13 @@ class Autopilot:
         return self.now - self.history.since
 
     @property
+    def speed(self) -> float:
+        """By its own wheels [m/s]."""
+        return self._speed
+
+    @property
     def standing(self) -> bool:
-        """Whether the robot stands, by its own wheels."""
+        """Whether the robot stands."""
         return self._speed < STANDS
 
     @property

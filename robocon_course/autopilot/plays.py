@@ -7,7 +7,7 @@ believes; what it changes is its own notes, which `RESETS` clears when a state i
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, hypot, inf, pi, remainder, sin
+from math import atan2, cos, hypot, inf, pi, remainder, sin
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -43,9 +43,13 @@ CLOSE = 0.04
 """Between the body and any wall at the very end of that way [m]."""
 BALL_TILT, NEAR_TILT, SILO_TILT = 0.42, 0.70, 0.05
 """Of the camera [rad]."""
-PANS = (0.0, 0.75, -0.75)
+MIDST = (1.2, 9.9)
+"""Of where balls lie [m, map]."""
+WIDE = 1.3
+"""So far the camera turns to either side [rad]."""
+PANS = (0.75, -0.75, 0.0)
 """Where it looks in turn for balls [rad]."""
-LOOK_FOR = 0.6
+LOOK_FOR = 0.45
 """So long in each direction [s]."""
 GLANCE = 2.5
 """After so long the silos are taken as they are believed [s]."""
@@ -216,7 +220,7 @@ def _approach(pilot: Autopilot) -> Order:
         watch = "silo" if pilot.pose[0] < 4.95 else ""
         return Order(before, FAST._replace(arrive=STORING.speed), tilt=SILO_TILT, watch=watch)
     at = (AT_SILO, y, 0.0)
-    if pilot.near(at, 0.012, 0.03) and pilot.standing:
+    if pilot.near(at, 0.03, 0.03) and pilot.speed < 0.2:  # it stands before the ball falls
         pilot.notes["let go"] = True
     return Order(at, STORING, tilt=SILO_TILT, release=bool(pilot.notes.get("let go")))
 
@@ -234,8 +238,11 @@ def _silo_full(pilot: Autopilot) -> Order:
 
 
 def _back_to_storage(pilot: Autopilot) -> Order:
-    watch = "ball" if abs(remainder(pilot.pose[2] - pi, 2 * pi)) < 0.3 else ""
-    return Order(VIEW_POST, tilt=0.3, watch=watch)
+    """The camera turns to the balls before the robot does."""
+    x, y, theta = pilot.pose
+    pan = remainder(atan2(MIDST[1] - y, MIDST[0] - x) - theta, 2 * pi)
+    watch = "ball" if abs(pan) < WIDE else ""
+    return Order(VIEW_POST, pan=min(max(pan, -WIDE), WIDE), tilt=0.3, watch=watch)
 
 
 def _free(pilot: Autopilot) -> Order:

@@ -34,7 +34,7 @@ SAME = 0.13
 """Two sightings so near to each other are of one ball [m]; farther away they spread more."""
 OTHER_COLOUR = 0.08
 """A sighting of another colour counts as so much farther away [m]."""
-RANGE = (0.12, 3.2)
+RANGE = (0.12, 4.2)
 """Balls nearer or farther than this are not looked for [m]."""
 VIEW = 0.46
 """Half of the camera's view in which a ball is expected to be found [rad]."""

@@ -164,7 +164,7 @@ MISSION: tuple[Transition, ...] = (
     Transition(S.DETECT_BALL, S.SEARCH_BALL, lambda f: f.tried >= MOST_TRIES, "tried too often"),
     Transition(S.DETECT_BALL, S.TAKE_BALL, lambda f: f.ball and f.waited > LOOK, "own ball seen"),
     Transition(S.DETECT_BALL, S.GO_TO_AREA_3, lambda f: not f.in_area_3, "not in Area 3"),
-    Transition(S.DETECT_BALL, S.SEARCH_BALL, lambda f: f.waited > 0.7, "no own ball in sight"),
+    Transition(S.DETECT_BALL, S.SEARCH_BALL, lambda f: f.waited > 0.5, "no own ball in sight"),
     Transition(S.SEARCH_BALL, S.SEARCH_SILO, lambda f: f.holding, "a ball is in the gripper"),
     Transition(S.SEARCH_BALL, S.TAKE_BALL, lambda f: f.ball, "own ball seen"),
     Transition(S.SEARCH_BALL, S.PUSH_PILE, lambda f: f.looked and f.pushable,
