@@ -47,12 +47,14 @@ LONGEST_PAUSE = 10.0
 """A clock that leaps farther, or back, is taken for another clock [s]."""
 STANDS = 0.03
 """Slower than this by its wheels it stands [m/s]."""
-FIRST_BALL = 40.0
-"""When the other team is expected to come first [s]."""
-STORING_TAKES = 4.0
+ON_THEIR_WAY = 12.0
+"""The other team's robot gets to Area 3 in about this time [s], as ours does."""
+STORING_TAKES = 3.0
 """From the choice of a silo to the ball in it [s]."""
 GRIPS = 0.4
 """The rollers have so long for a ball before it counts as missed [s]."""
+CHOICE = ("silo", "silos")
+"""Notes of a choice: which silo, and what all of them held then."""
 SPEAKS = 400
 """So many lines of its log are kept."""
 BALL_STATES = (State.DETECT_BALL, State.SEARCH_BALL, State.TAKE_BALL, State.BACK_TO_STORAGE)
@@ -206,14 +208,17 @@ class Autopilot:
     def rhythm(self) -> Rhythm:
         """How often both teams come to a silo, as far as it was noticed."""
         theirs, usual = self.sight.their_balls, Rhythm()
-        gaps = np.diff(theirs)
-        gaps = gaps[gaps > 4.0]
-        period = float((usual.period + gaps.sum()) / (1 + len(gaps)))
-        last = theirs[-1] if theirs else self._began + FIRST_BALL - period
+        # As if a ball before their first had come when they got to Area 3.
+        first = self._began + ON_THEIR_WAY
+        last = theirs[-1] if theirs else first
+        period = (last - first) / len(theirs) if theirs else usual.period
+        period = float(np.clip(period, 8.0, 45.0))
         own = np.diff(self._stored)
-        every = float(np.clip((2 * usual.every + own[-4:].sum()) / (2 + len(own[-4:])), 8.0, 20.0))
-        arrival = self.now + STORING_TAKES
-        return Rhythm(every, last + period - arrival, period, 0.2 * period)
+        every = float(np.clip((2 * usual.every + own[-4:].sum()) / (2 + len(own[-4:])), 6.0, 20.0))
+        since = self.now + STORING_TAKES - last
+        # Where they are late by far, one was missed, by them or by the camera.
+        awaited = max(1, round(since / period)) * period
+        return Rhythm(every, awaited - since, period, 0.2 * period)
 
     def near(self, target: ArrayLike, gap: float = NEAR, turn: float = 0.06) -> bool:
         """Whether the robot is within `gap` [m] and `turn` [rad] of a pose."""
@@ -353,8 +358,8 @@ class Autopilot:
         """Forget what the state says is to be forgotten."""
         resets, old = RESETS.get(state, ()), self.notes
         self.notes = {}
-        if "choice" not in resets and old.get("silo") is not None:
-            self.notes["silo"] = old["silo"]
+        if "choice" not in resets:
+            self.notes.update({name: old[name] for name in CHOICE if name in old})
         if "balls" in resets:
             self.sight.forget_balls()
         if "pose" in resets:

@@ -29,6 +29,8 @@ SILO_X = 4.75
 """From here all five silos are looked at on the way [m]."""
 BEFORE_SILO, AT_SILO = 5.15, 5.50
 """Robot's middle before a silo and when it lets go [m]; its arm reaches half a metre ahead."""
+IN_FRAME = 5.2
+"""Nearer than this a silo is too large for the camera [m]."""
 BACK = 0.45
 """So far it goes back from balls [m]."""
 FRONT = 0.33
@@ -53,8 +55,6 @@ LOOK_FOR = 0.45
 """So long in each direction [s]."""
 GLANCE = 2.5
 """After so long the silos are taken as they are believed [s]."""
-FRESH = 6.0
-"""A silo that was seen so lately counts as seen [s]."""
 SETTLES, ON_AVERAGE = 0.4, 1.5
 """A turn takes so much longer than at its full rate [s]; speed on a short way [m/s]."""
 OVERSHOOT = 0.10
@@ -184,20 +184,18 @@ def _end(way: Approach) -> tuple[float, float]:
 
 
 def _search_silo(pilot: Autopilot) -> Order:
-    y = min(max(float(pilot.pose[1]), 9.4), 10.6)
-    seen = [pilot.now - time < FRESH for time in pilot.sight.seen_silos]
-    settled = pilot.pose[0] > 2.5 and (all(seen) or pilot.waited > GLANCE)
-    if settled and abs(remainder(pilot.pose[2], 2 * pi)) < 0.5:
+    """The camera turns to the silos before the robot does, then to those it has not seen yet."""
+    x, y, theta = (float(number) for number in pilot.pose)
+    seen = [time > pilot.history.since for time in pilot.sight.seen_silos]
+    settled = x > 2.5 and (all(seen) or x > SILO_X - 0.3 or pilot.waited > GLANCE)
+    if settled and abs(remainder(theta, 2 * pi)) < 0.5:
         _choose(pilot)
-    # What is missing lies to one side: look there.
-    missing = [k for k, fresh in enumerate(seen) if not fresh]
-    pan = 0.0
-    if missing and pilot.pose[0] > 3.6:
-        x, _, theta = pilot.pose
-        target = field.SILOS[missing[int(pilot.waited / 0.5) % len(missing)]]
-        bearing = np.arctan2(target[1] - pilot.pose[1], target[0] - x) - theta
-        pan = float(np.clip(remainder(bearing, 2 * pi), -0.7, 0.7))
-    return Order((SILO_X, y, 0.0), tilt=SILO_TILT, pan=pan, watch="silo")
+    missing = [silo for silo, fresh in zip(field.SILOS, seen, strict=True) if not fresh]
+    at = missing[0] if missing and x > 3.6 else field.SILOS[len(field.SILOS) // 2]
+    pan = remainder(atan2(at[1] - y, at[0] - x) - theta, 2 * pi)
+    watch = "silo" if abs(pan) < WIDE else ""
+    target = SILO_X, min(max(y, 9.4), 10.6), 0.0
+    return Order(target, tilt=SILO_TILT, pan=min(max(pan, -WIDE), WIDE), watch=watch)
 
 
 def _choose(pilot: Autopilot) -> None:
@@ -206,30 +204,34 @@ def _choose(pilot: Autopilot) -> None:
     )
     if silo is not None:
         pilot.notes["silo"] = int(silo)
+        pilot.notes["silos"] = list(pilot.sight.silos)
 
 
 def _approach(pilot: Autopilot) -> Order:
+    if not pilot.notes.get("before") and pilot.notes.get("silos") != pilot.sight.silos:
+        _choose(pilot)  # somebody was here since: perhaps another one is better now
     silo = pilot.notes.get("silo")
     if silo is None:
         return Order()
     y = field.SILOS[silo][1]
     pilot.notes["full"] = is_full(pilot.sight.silos[silo])
     before = (BEFORE_SILO, y, 0.0)
+    watch = "silo" if pilot.pose[0] < IN_FRAME else ""
     if not pilot.notes.get("before"):
         pilot.notes["before"] = pilot.near(before, 0.06, 0.06)
-        watch = "silo" if pilot.pose[0] < 4.95 else ""
         return Order(before, FAST._replace(arrive=STORING.speed), tilt=SILO_TILT, watch=watch)
     at = (AT_SILO, y, 0.0)
     if pilot.near(at, 0.03, 0.03) and pilot.speed < 0.2:  # it stands before the ball falls
         pilot.notes["let go"] = True
-    return Order(at, STORING, tilt=SILO_TILT, release=bool(pilot.notes.get("let go")))
+    release = bool(pilot.notes.get("let go"))
+    return Order(at, STORING, tilt=SILO_TILT, release=release, watch=watch)
 
 
 def _leave_silo(pilot: Autopilot) -> Order:
     """Straight back to where the robot may turn, measuring the walls on the way."""
     x, y, theta = pilot.pose
     start = pilot.notes.setdefault("from", (float(x), float(y), float(theta)))
-    return Order((BEFORE_SILO - 0.05, start[1], start[2]))
+    return Order((BEFORE_SILO - 0.05, start[1], start[2]), tilt=SILO_TILT, watch="silo")
 
 
 def _silo_full(pilot: Autopilot) -> Order:

@@ -128,9 +128,9 @@ class Rhythm(NamedTuple):
         From one of their balls to the next, and how unsure that is.
     """
 
-    every: float = 12.0
+    every: float = 9.0
     next: float = 12.0
-    period: float = 25.0
+    period: float = 20.0
     spread: float = 4.0
 
 
