@@ -195,6 +195,11 @@ class Autopilot:
         return self.now - self.history.since
 
     @property
+    def motion(self) -> FloatArray:
+        """How it moves by its own wheels, shape (2,) [m/s, map]."""
+        return self._motion
+
+    @property
     def speed(self) -> float:
         """By its own wheels [m/s]."""
         return self._speed

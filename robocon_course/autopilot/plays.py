@@ -37,6 +37,8 @@ FRONT = 0.33
 """From the robot's middle to what its front pushes [m]."""
 PUSH_TO = 1.45
 """So far it goes into the pile [m]."""
+SWEEP = 0.12
+"""With turning rollers it goes aside no faster [m/s]."""
 WALL = 0.16
 """Between the body and any wall where a ball is taken [m]: it may turn there."""
 PATIENCE = 0.4
@@ -60,10 +62,10 @@ SETTLES, ON_AVERAGE = 0.4, 1.5
 OVERSHOOT = 0.10
 """The robot goes on so far past where the ball should be [m]."""
 ACROSS = DriveLimits(2.0, 2.0, 1.5, 2.5)
-FAST = DriveLimits(2.6, 3.0, 1.5, 2.5)
-TAKING = DriveLimits(0.8, 2.0, 1.0, 2.5)
+FAST = DriveLimits(3.0, 4.0, 1.5, 2.5)
+TAKING = DriveLimits(0.8, 3.0, 1.0, 2.5)
 PUSHING = DriveLimits(0.9, 2.0, 1.0, 2.5)
-STORING = DriveLimits(0.8, 1.5, 1.0, 2.5)
+STORING = DriveLimits(0.9, 2.0, 1.0, 2.5)
 """Over the ramps; in Area 3; to a ball; into the pile; to a silo. The source's robot takes 0.25 m/s
 to a ball, 0.45 to a silo and 0.9 into the pile."""
 
@@ -161,7 +163,7 @@ def _take(pilot: Autopilot) -> Order:
     # The rollers take whatever comes: they turn only for the last bit of the way.
     close = pilot.near((*way.take, way.heading), 0.14, inf)
     pilot.notes["close"] = close or bool(pilot.notes.get("close"))
-    intake = float(pilot.notes["close"] and not _other_at_rollers(way, pilot))
+    intake = float(pilot.notes["close"] and _may_pull(way, pilot))
     return Order((*end, way.heading), TAKING, intake=intake, tilt=NEAR_TILT, watch="ball")
 
 
@@ -295,7 +297,7 @@ def _still(way: Approach, pilot: Autopilot) -> Approach | None:
     balls = pilot.sight.balls
     straight = bool(pilot.notes.get("straight"))
     close = bool(pilot.notes.get("close"))
-    if straight and (_barred(way, pilot, balls) or close and _other_at_rollers(way, pilot)):
+    if straight and (_barred(way, pilot, balls) or (close and _other_at_rollers(way, pilot))):
         return None
     own = [ball for ball in balls if ball.colour == pilot.team]
     gaps = [hypot(ball.x - way.ball.x, ball.y - way.ball.y) for ball in own]
@@ -318,6 +320,18 @@ def _seen_from(pilot: Autopilot, heading: float, ball: SeenBall) -> tuple[float,
     """How far a ball lies ahead of the robot's middle, and to its left, along a heading [m]."""
     dx, dy = ball.x - pilot.pose[0], ball.y - pilot.pose[1]
     return cos(heading) * dx + sin(heading) * dy, cos(heading) * dy - sin(heading) * dx
+
+
+def _may_pull(way: Approach, pilot: Autopilot) -> bool:
+    """Whether what the rollers get would be the ball: seen just now, alone, and not swept up.
+
+    Pictures come late. Who goes aside with turning rollers takes what lies there by now.
+    """
+    c, s = cos(way.heading), sin(way.heading)
+    sideways = c * pilot.motion[1] - s * pilot.motion[0]
+    return (
+        abs(sideways) < SWEEP and pilot.sight.sees(way.ball) and not _other_at_rollers(way, pilot)
+    )
 
 
 def _other_at_rollers(way: Approach, pilot: Autopilot) -> bool:

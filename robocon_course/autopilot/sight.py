@@ -40,7 +40,7 @@ VIEW = 0.46
 """Half of the camera's view in which a ball is expected to be found [rad]."""
 UPRIGHT = 0.33
 """And half of its view from top to bottom [rad]."""
-APART = 0.12
+APART = 0.08
 """Tracks nearer to each other are of one ball [m]: two balls' middles are a diameter apart."""
 MISSES = 4
 """So often not found where it should be, a ball is gone."""
@@ -175,6 +175,15 @@ class Sight:
     def balls(self) -> list[SeenBall]:
         """The balls that are believed."""
         return [track.ball for track in self.tracks if track.hits >= SURE]
+
+    def sees(self, ball: SeenBall) -> bool:
+        """Whether a ball of that colour was found there in the last picture of the place."""
+        return any(
+            track.misses == 0
+            and track.ball.colour == ball.colour
+            and hypot(track.x - ball.x, track.y - ball.y) < SAME
+            for track in self.tracks
+        )
 
     def look(self, frame: Frame, kind: str) -> None:
         """Take in one picture.
