@@ -275,4 +275,4 @@ def _memory(state: HeadingState) -> FloatArray:
 
 
 def _floats(values) -> tuple[float, ...]:
-    return tuple(nan if value is None else float(value) for value in values)
+    return tuple([nan if value is None else float(value) for value in values])
