@@ -158,7 +158,7 @@ class Simulator:
         ValueError
             Another dt.
         """
-        if not isinstance(dt, float | int | np.number) or not 0.0 < dt <= LONGEST_STEP:
+        if not isinstance(dt, (float, int, np.number)) or not 0.0 < dt <= LONGEST_STEP:
             raise ValueError(f"dt: must be seconds above 0, at most {LONGEST_STEP:g}, got {dt!r}")
         part = self._part + self._owed + dt / TICK
         ticks = floor(part + 1e-6)
@@ -193,7 +193,8 @@ class Simulator:
             )
         speeds, angles = command.checked()
         # The wheels themselves end at the top speed.
-        self.clamped += bool(np.abs(speeds).max() > self._body.max_speed * (1.0 + 1e-9))
+        fastest = max(map(abs, speeds.tolist()))
+        self.clamped += fastest > self._body.max_speed * (1.0 + 1e-9)
         # A module has no end stop; of a huge angle the direction is all that a float can still add.
         self._command[0] = speeds
         np.fmod(angles, 2.0 * pi, self._command[1])
@@ -207,22 +208,23 @@ class Simulator:
         """
         state, sensors, count = self._state, self.sensors, self._unread
         samples, self._unread = self._imu[:count].copy(), 0
-        last = self._tick // self._imu_every
+        every, last = self._imu_every, self._tick // self._imu_every
         looks = np.empty((len(LIDARS), 3))
         noise = self._lidar_noise
         lidar.look(
             self._track, self._tick, self._lidars, self._light, noise.window, noise.first, looks
         )
+        readings = [
+            LidarReading(tick / RATE, distance, int(strength), TEMPERATURE)
+            for tick, distance, strength in looks.tolist()
+        ]
         return Observation(
             time=self.time,
             ticks=np.floor((state.travel - self._uncounted) / self._metres_per_tick).astype(int),
-            imu_time=np.arange(last - count + 1, last + 1) * self._imu_every / RATE,
+            imu_time=np.array([k * every / RATE for k in range(last - count + 1, last + 1)]),
             gyro=samples[:, :3],
             accel=samples[:, 3:],
-            lidar=tuple(
-                LidarReading(tick / RATE, distance, int(strength), TEMPERATURE)
-                for tick, distance, strength in looks.tolist()
-            ),
+            lidar=tuple(readings),
             module_speeds=np.rint(state.speeds / sensors.speed_step) * sensors.speed_step,
             module_angles=np.rint(state.angles / sensors.angle_step) * sensors.angle_step,
             battery=round(float(state.battery[0]), 2),

@@ -269,8 +269,11 @@ class Match:
         """The held ball over the front edge into a silo, or through the rollers to the floor."""
         ball = self.balls.held
         self._released = self._released + CYCLE if ball >= 0 and self._command.release else 0.0
+        ejected = ball >= 0 and pull < 0.0
+        if self._released < LETTING_GO and not ejected:
+            return
         c, s = cos(pose[2]), sin(pose[2])
-        if ball >= 0 and pull < 0.0:
+        if ejected:
             reach = 0.45
             self.put_down(ball, (pose[0] + reach * c, pose[1] + reach * s), (0.4 * c, 0.4 * s))
         if self._released < LETTING_GO:
@@ -327,10 +330,9 @@ class Match:
     # --- camera -----------------------------------------------------------------------------------
 
     def _turn_camera(self) -> None:
-        most = SERVO * CYCLE
-        for name in ("pan", "tilt"):
-            wanted, now = float(getattr(self._command, name)), getattr(self, name)
-            setattr(self, name, now + min(max(wanted - now, -most), most))
+        most, command = SERVO * CYCLE, self._command
+        self.pan += min(max(float(command.pan) - self.pan, -most), most)
+        self.tilt += min(max(float(command.tilt) - self.tilt, -most), most)
 
     def _take_frame(self, pose: FloatArray) -> None:
         kind, pan, tilt = self._command.watch, self.pan, self.tilt
@@ -363,9 +365,12 @@ class Match:
 
     def _now(self, kind: str) -> bool:
         """Whether a fault that lasts is there."""
-        return self.started is not None and any(
-            f.kind == kind and f.start <= self.clock < f.start + f.duration for f in self.faults
-        )
+        if self.started is None:
+            return False
+        for fault in self.faults:
+            if fault.kind == kind and fault.start <= self.clock < fault.start + fault.duration:
+                return True
+        return False
 
     def _go_wrong(self, pose: FloatArray) -> None:
         """Faults that happen once, as soon as they can after their time."""
