@@ -200,7 +200,7 @@ def _told(
     """What is said of the things in view."""
     count = len(boxes)
     framed = boxes + rng.normal(0.0, mistakes.edge, (count, 4))
-    luck, other, doubt = rng.random(count), rng.random(count), rng.random(count)
+    luck, other, doubt = rng.random((3, count))
     number = np.array(ids, np.int64)
     side = (framed[:, 2:] - framed[:, :2]).min(axis=1, initial=np.inf)
     chance = (1.0 - mistakes.miss) * np.minimum(3.0 * shares, 1.0)

@@ -336,30 +336,35 @@ class Match:
 
     def _take_frame(self, pose: FloatArray) -> None:
         kind, pan, tilt = self._command.watch, self.pan, self.tilt
-        free = self.balls.free
-        xy = self.balls.xy[free]
-        heights = rolling.floor_under(xy) + rolling.RADIUS
-        centres = np.column_stack([xy, heights])
-        colours = [self.balls.colours[k] for k in free]
         dark = self._now("dark")
         image, found = None, {}
         if self._eye is not None:
             image = np.zeros((240, 320, 3), np.uint8) if dark else self._eye.look(
                 pose, pan=pan, tilt=tilt, kind=kind,
-                balls=[(tuple(c), name) for c, name in zip(centres, colours, strict=True)],
-                silos=[filling or "empty" for filling in self.referee.fillings],
+                balls=[(tuple(c), name) for c, name in zip(*self._lying(), strict=True)],
+                silos=self._standing(),
             ).image_bgr  # fmt: skip
         elif not dark:
-            found = {kind: self._said(pose, kind, centres, colours)}
+            found = {kind: self._said(pose, kind)}
         self._frames.append(Frame(self.robot.time, pan, tilt, image, found))
 
-    def _said(self, pose: FloatArray, kind: str, centres: FloatArray, colours: list[str]) -> Any:
+    def _said(self, pose: FloatArray, kind: str) -> Any:
         T_map_camera = view_from(pose, self.pan, self.tilt)
         rng, camera = self._rng["camera"], CAMERA
         if kind == "ball":
-            return balls_seen(camera, T_map_camera, centres, colours, rng)
-        fillings = [filling or "empty" for filling in self.referee.fillings]
-        return silos_seen(camera, T_map_camera, fillings, rng)
+            return balls_seen(camera, T_map_camera, *self._lying(), rng)
+        return silos_seen(camera, T_map_camera, self._standing(), rng)
+
+    def _lying(self) -> tuple[FloatArray, list[str]]:
+        """Middles (n, 3) [m, map] and colours of the balls on the floor."""
+        free = self.balls.free
+        xy = self.balls.xy[free]
+        heights = rolling.floor_under(xy) + rolling.RADIUS
+        return np.column_stack([xy, heights]), [self.balls.colours[k] for k in free]
+
+    def _standing(self) -> list[str]:
+        """What the silos hold, as `vision.SILOS` writes it."""
+        return [filling or "empty" for filling in self.referee.fillings]
 
     # --- faults -----------------------------------------------------------------------------------
 
