@@ -267,7 +267,7 @@ class _Rolled(NamedTuple):
             half = 1 << (COUNTER_BITS - 1)
             pairs = zip(before, now, strict=True)
             changes = np.array([float((b - a + half) % (2 * half) - half) for a, b in pairs])
-            return cls(float(wheels.turn_per_tick @ changes), changes, None)
+            return cls(float(wheels.turn_per_tick.dot(changes)), changes, None)
         changes = parts.tick_changes(np.array([before, now]), COUNTER_BITS)
         travel = parts.wheel_travel(wheels, changes)
         return cls(float(np.asarray(parts.body_deltas(wheels, travel))[0, 2]), changes, travel)
