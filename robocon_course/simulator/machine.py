@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from robocon_course import field
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.robot import LIDAR_HEIGHT, LIDARS, Command, LidarReading, Observation
-from robocon_course.simulator import inertial, lidar, physics
+from robocon_course.simulator import encoders, inertial, lidar, physics
 from robocon_course.simulator.model import RobotModel, game_field
 from robocon_course.simulator.noise import Noise
 from robocon_course.simulator.physics import TICK
@@ -214,19 +214,24 @@ class Simulator:
         lidar.look(
             self._track, self._tick, self._lidars, self._light, noise.window, noise.first, looks
         )
+        ticks, modules = np.empty(len(state.travel), np.int64), np.empty((2, 4))
+        encoders.count(
+            state.travel - self._uncounted, self._metres_per_tick, state.speeds, state.angles,
+            sensors.speed_step, sensors.angle_step, ticks, modules,
+        )  # fmt: skip
         readings = [
             LidarReading(tick / RATE, distance, int(strength), TEMPERATURE)
             for tick, distance, strength in looks.tolist()
         ]
         return Observation(
             time=self.time,
-            ticks=np.floor((state.travel - self._uncounted) / self._metres_per_tick).astype(int),
+            ticks=ticks,
             imu_time=np.array([k * every / RATE for k in range(last - count + 1, last + 1)]),
             gyro=samples[:, :3],
             accel=samples[:, 3:],
             lidar=tuple(readings),
-            module_speeds=np.rint(state.speeds / sensors.speed_step) * sensors.speed_step,
-            module_angles=np.rint(state.angles / sensors.angle_step) * sensors.angle_step,
+            module_speeds=modules[0],
+            module_angles=modules[1],
             battery=round(float(state.battery[0]), 2),
         )
 
