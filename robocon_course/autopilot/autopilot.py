@@ -224,9 +224,10 @@ class Autopilot:
 
     def near(self, target: ArrayLike, gap: float = NEAR, turn: float = 0.06) -> bool:
         """Whether the robot is within `gap` [m] and `turn` [rad] of a pose."""
-        x, y, theta = self.reckoning.pose
-        off = remainder(theta - target[2], TURN)
-        return hypot(x - target[0], y - target[1]) < gap and abs(off) < turn
+        x, y, theta = self.reckoning.pose.tolist()
+        if not hypot(x - target[0], y - target[1]) < gap:
+            return False
+        return abs(remainder(theta - target[2], TURN)) < turn
 
     # --- the tick ---------------------------------------------------------------------------------
 
@@ -285,7 +286,7 @@ class Autopilot:
             self.walls, pose = correct(self.walls, now.pose, seen, motion, now.dt)
             if self.state is State.LIDAR_RESET and not self.walls.sure:
                 pose = self._search_pose(pose, seen)
-            now = now._replace(pose=pose)
+            now = Reckoning(pose, *now[1:])
         self.reckoning = now
         self.sight.remember(self.now, now.pose)
 

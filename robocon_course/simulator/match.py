@@ -181,7 +181,7 @@ class Match:
         frame = None
         while self._frames and self._frames[0].time + LATENCY <= seen.time + 1e-9:
             frame = self._frames.pop(0)
-        self._last = seen._replace(holding=self.balls.held >= 0, frame=frame)
+        self._last = Observation(*seen[:-2], holding=self.balls.held >= 0, frame=frame)
         return self._last
 
     def apply(self, command: Command) -> None:
