@@ -7,7 +7,7 @@
 ``faults``    each fault alone, and each pair of them
 ``position``  the position's error with and without set-up, LiDARs, gyroscope
 ``camera``    matches on drawn pictures, with the networks
-``speed``     how much of a tick's 10 ms autopilot and simulator take
+``speed``     how much of a tick's 10 ms autopilot and simulator take, and whole matches
 
 Everything is seeded: the same seeds play the same matches, on however many processes. Two orders
 are compared on the same seeds, by the exact McNemar test: of the games that only one of them wins,
@@ -25,7 +25,7 @@ from functools import partial
 from itertools import combinations
 from math import comb
 from multiprocessing import get_context
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +43,8 @@ FAULTS_AT = (12.0, 90.0)
 """Between these times a fault happens [s]."""
 EVERY = 12.0
 """Of our balls in a board game [s]."""
+WHOLE = (2, 5)
+"""Seeds of matches against a strong team that go the whole way."""
 POSITIONS = {
     "full": {},
     "without set-up": {"set_up": False},
@@ -265,6 +267,11 @@ def print_speed(seeds: list[int], run: Run) -> None:
         middle, most = np.quantile(1e3 * times, [0.5, 0.99])
         longest = 1e3 * times.max()
         print(f"{name:16} median {middle:.3f}, 99 % under {most:.2f}, longest {longest:.1f} ms")
+    for seed in WHOLE:
+        begin = process_time()
+        ended = play_match(seed=seed, opponent="strong").ended
+        took = process_time() - begin
+        print(f"a match of {ended:.0f} s: {took:.2f} s of one core, {1e3 * took / ended:.1f} ms/s")
 
 
 CAMPAIGNS = {

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from robocon_course import swerve
 from robocon_course._arrays import CourseError
-from robocon_course.autopilot import Autopilot, Parts, module_command
+from robocon_course.autopilot import Autopilot, Parts, module_command, plays
 from robocon_course.geometry import se2_exp
 from robocon_course.mission import State
 from robocon_course.robot import MODULES, Command, Frame, LidarReading, Observation
@@ -338,6 +338,22 @@ def test_when_the_match_is_over_it_stands_and_stays_finished():
     play.pilot._ends = play.pilot.now + 0.1
     assert not drives(ticks(play, 0.5)[30:]) and play.pilot.state is State.FINISHED
     assert not drives(ticks(play, 0.3)) and play.pilot.state is State.FINISHED
+
+
+def test_while_all_silos_are_full_no_order_is_asked_for_one():
+    asked = []
+
+    def choose_silo(silos, team, y, rhythm):
+        asked.append(list(silos))
+        return 2
+
+    pilot = Autopilot(replace(Parts(), choose_silo=choose_silo))
+    pilot.sight.silos = ["RRB"] * 5
+    plays._choose(pilot)
+    assert not asked and "silo" not in pilot.notes
+    pilot.sight.silos[2] = "RR"
+    plays._choose(pilot)
+    assert len(asked) == 1 and pilot.notes["silo"] == 2
 
 
 def test_another_team_and_a_start_that_is_no_pose_are_refused():

@@ -4,9 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from robocon_course.autopilot import Parts, Reckoning, module_command, reckon
+from robocon_course.autopilot import (
+    Following,
+    Parts,
+    Reckoning,
+    Route,
+    follow_step,
+    module_command,
+    reckon,
+)
+from robocon_course.geometry import distance_along
 from robocon_course.robot import Command
 from robocon_course.simulator import Simulator
+from robocon_course.tracking import speed_profile
 
 
 def one_by_one(name):
@@ -50,3 +60,18 @@ def test_counters_that_wrap_are_taken_the_nearer_way_in_one_step_too():
     np.testing.assert_allclose(*poses, rtol=0, atol=1e-12)
     # A count is 0.06 mm: ten forward and ten back turn the robot by a little.
     assert 0.0 < abs(poses[0][2]) < 0.01 and np.abs(poses[0][:2] - 1.0).max() < 0.001
+
+
+def test_a_path_is_followed_the_same_with_one_look_as_part_by_part():
+    way, rng = np.linspace(0.0, 4.0, 60), np.random.default_rng(2)
+    xy = np.column_stack([2.0 + np.cos(2.0 * way), np.sin(3.0 * way)])  # it crosses itself
+    route = Route(xy, distance_along(xy), speed_profile(xy, 1.5, 2.0, 1.5))
+    start = Following.begin(route)
+    for name in ("nearest_point", "pure_pursuit"):
+        parts, quick = one_by_one(name), start
+        for k in range(59):
+            pose = (*(xy[k] + rng.normal(0.0, 0.1, 2)), rng.uniform(-4.0, 4.0))
+            plain = follow_step(parts, quick, route, pose, 0.01)
+            quick = follow_step(Parts(), quick, route, pose, 0.01)
+            assert quick == plain
+        assert quick.index > 50

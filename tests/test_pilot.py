@@ -142,6 +142,17 @@ def test_a_search_of_ones_own_that_says_little_is_not_asked_about_a_goal_outside
         plan_route(replace(PARTS, astar=astar), FIELD, field.START, (99.0, 0.0))
 
 
+def test_a_path_of_ones_own_that_is_none_is_refused_before_anybody_drives_it():
+    def smooth_path(room, xy, curvature):
+        return [*xy, (nan, 1.0)]
+
+    with pytest.raises(ValueError, match=r"path: entry .* is not a finite number"):
+        plan_route(
+            replace(PARTS, smooth_path=smooth_path, speed_profile=lambda xy, *_: np.ones(len(xy))),
+            FIELD, field.START, GOAL,
+        )  # fmt: skip
+
+
 # --- following -------------------------------------------------------------------------------
 
 

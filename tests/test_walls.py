@@ -21,7 +21,7 @@ SPOT = radians(3.6)
 EXACT = replace(IDEAL, lidar=replace(IDEAL.lidar, spot=SPOT, step_mm=1))
 NOISY = replace(IDEAL, lidar=replace(IDEAL.lidar, spot=SPOT, noise=0.01, step_mm=10))
 HERE = np.array([4.3, 10.0, 0.0])
-STANDING, DT = np.zeros(2), 0.01
+STANDING, DT = (0.0, 0.0), 0.01
 NO_OFFSETS = np.zeros(4)
 
 
@@ -43,7 +43,7 @@ def read_at(pose, sensors=EXACT, count=1) -> list[Observation]:
 
 
 def unsure(sigma=0.05, offsets=NO_OFFSETS) -> Walls:
-    return Walls(np.full(2, sigma), np.asarray(offsets, float))
+    return Walls((sigma, sigma), np.asarray(offsets, float))
 
 
 def corrected(pose, readings, walls=None):
@@ -157,7 +157,7 @@ def test_what_was_measured_on_the_way_is_taken_for_where_it_was_measured():
     )
     late = old._replace(time=1.005, lidar=was)
     walls = unsure(0.02)
-    _, moving = correct(walls, HERE, late, np.array([2.0, 0.0]), DT)
+    _, moving = correct(walls, HERE, late, (2.0, 0.0), DT)
     _, standing = correct(walls, HERE, late, STANDING, DT)
     assert abs(moving[0] - HERE[0]) < 0.001 < 0.004 < abs(standing[0] - HERE[0])
 
@@ -167,7 +167,7 @@ def test_the_way_makes_it_unsure_and_a_reset_much_more():
         1.0, np.zeros(3), *[np.zeros((0, 3))] * 3, (), np.zeros(4), np.zeros(4), 24.0
     )
     walls = unsure(0.002)
-    driven, _ = correct(walls, HERE, blind, np.array([1.0, 0.0]), 1.0)
+    driven, _ = correct(walls, HERE, blind, (1.0, 0.0), 1.0)
     stood, _ = correct(walls, HERE, blind, STANDING, 1.0)
     assert walls.sigma[0] < stood.sigma[0] < driven.sigma[0] < walls.doubted().sigma[0]
 
@@ -216,7 +216,7 @@ def test_whatever_the_lidars_say_the_pose_stays_a_pose_and_moves_but_a_little(
     time, lidar, pose, motion
 ):
     seen = _still()[0]._replace(time=time, lidar=tuple(lidar))
-    walls, moved = correct(unsure(), np.array(pose), seen, np.array(motion), DT)
+    walls, moved = correct(unsure(), np.array(pose), seen, motion, DT)
     assert np.isfinite(moved).all() and np.isfinite(walls.sigma).all()
     assert hypot(*(moved - pose)[:2]) < 1.5  # four gates
 

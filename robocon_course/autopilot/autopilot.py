@@ -45,6 +45,8 @@ BLIND_AFTER = 30
 """So many observations in a row without use, and the robot stands."""
 LONGEST_PAUSE = 10.0
 """A clock that leaps farther, or back, is taken for another clock [s]."""
+PLACED = 0.005
+"""How exactly a crew puts it down [m]."""
 STANDS = 0.03
 """Slower than this by its wheels it stands [m/s]."""
 ON_THEIR_WAY = 12.0
@@ -121,7 +123,7 @@ class Autopilot:
         self.history: History = self.table.begin()
         self.facts = Facts()
         self.reckoning = Reckoning.at(start)
-        self.walls = Walls(np.full(2, 0.005), as_floats(offsets, "offsets", 4))
+        self.walls = Walls((PLACED, PLACED), as_floats(offsets, "offsets", 4))
         self.sight = Sight(self.parts, team)
         self.notes: dict[str, Any] = {}
         self.speaks: list[tuple[float, str, str]] = []
@@ -129,7 +131,7 @@ class Autopilot:
         self.now, self._leapt = 0.0, 0.0
         self._begins, self._ends, self._began = inf, inf, 0.0
         self._stored: list[float] = []
-        self._watch, self._speed, self._motion = Watch(), 0.0, np.zeros(2)
+        self._watch, self._speed = Watch(), 0.0
         self._tried = 0
         self._order, self._held, self._sought = Order(), False, -inf
         self.driver = Driver(self.parts, float(self.reckoning.pose[2]))
@@ -170,7 +172,7 @@ class Autopilot:
         pose = as_floats(pose, "pose", 3).copy()
         heading = self.reckoning.heading._replace(yaw=float(pose[2]))
         self.reckoning = self.reckoning._replace(pose=pose, heading=heading)
-        self.walls = self.walls._replace(sigma=np.full(2, 0.005), lost_for=(0.0, 0.0))
+        self.walls = self.walls._replace(sigma=(PLACED, PLACED), lost_for=(0.0, 0.0))
         self._begins = self.now + after
         self.driver.heading = float(pose[2])
         self.history = self.table.begin(self.now)
@@ -227,9 +229,10 @@ class Autopilot:
 
     def near(self, target: ArrayLike, gap: float = NEAR, turn: float = 0.06) -> bool:
         """Whether the robot is within `gap` [m] and `turn` [rad] of a pose."""
-        x, y, theta = self.reckoning.pose
-        off = remainder(theta - target[2], TURN)
-        return hypot(x - target[0], y - target[1]) < gap and abs(off) < turn
+        x, y, theta = self.reckoning.pose.tolist()
+        if not hypot(x - target[0], y - target[1]) < gap:
+            return False
+        return abs(remainder(theta - target[2], TURN)) < turn
 
     # --- the tick ---------------------------------------------------------------------------------
 
@@ -280,13 +283,15 @@ class Autopilot:
             self._keep_time(now.time)
             return
         self._keep_time(now.time)
-        self._motion = (now.pose - last.pose)[:2] / now.dt
-        self._speed = float(hypot(*self._motion))
+        x, y, _ = now.pose.tolist()
+        last_x, last_y, _ = last.pose.tolist()
+        motion = (x - last_x) / now.dt, (y - last_y) / now.dt
+        self._speed = hypot(*motion)
         if self.use_walls:
-            self.walls, pose = correct(self.walls, now.pose, seen, self._motion, now.dt)
+            self.walls, pose = correct(self.walls, now.pose, seen, motion, now.dt)
             if self.state is State.LIDAR_RESET and not self.walls.sure:
                 pose = self._search_pose(pose, seen)
-            now = now._replace(pose=pose)
+            now = Reckoning(pose, *now[1:])
         self.reckoning = now
         self.sight.remember(self.now, now.pose)
 

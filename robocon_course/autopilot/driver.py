@@ -141,7 +141,7 @@ class Driver:
 
     def _homing(self, target: Target, pose: FloatArray) -> Target:
         """Straight to a target that is all but reached [m/s, m/s, rad/s; map]."""
-        x, y, theta = pose
+        x, y, theta = pose.tolist()
         vx, vy = 3.0 * (target[0] - x), 3.0 * (target[1] - y)
         speed = hypot(vx, vy)
         if speed > 0.3:
@@ -151,7 +151,7 @@ class Driver:
 
     def _turned(self, wanted: float, pose: FloatArray) -> float:
         """The heading to hold: the wanted one where there is room to turn, else the last."""
-        x, y, theta = pose
+        x, y, theta = pose.tolist()
         room = min(x, field.EDGE - x, field.SIZE - y, y - SOUTH if y > SOUTH else y)
         if room > TURN_ROOM or abs(remainder(wanted - theta, TURN)) < 0.1:
             self.heading = wanted

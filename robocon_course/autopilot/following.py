@@ -35,6 +35,8 @@ from robocon_course.tracking import (
     lookahead_distance,
     start_pose,
 )
+from robocon_course.tracking.polyline import look
+from robocon_course.tracking.pursuit import bend
 
 
 class FollowSettings(NamedTuple):
@@ -162,17 +164,16 @@ def follow_step(
         raise ValueError(f"dt: expected seconds above 0, got {dt!r}")
     if not isfinite(heading):
         raise ValueError(f"heading: expected an angle in radians, got {heading!r}")
-    if not np.isfinite(pose).all():
-        return _missed(state, settings)
     x, y, theta = pose.tolist()
+    if not (isfinite(x) and isfinite(y) and isfinite(theta)):
+        return _missed(state, settings)
     lookahead = float(lookahead_distance(state.speed, settings.k, settings.least))
-    foot = parts.nearest_point(route.xy, (x, y), state.index, lookahead)
+    foot, curvature, target = _looked(parts, route.xy, (x, y, state.course), state.index, lookahead)
     place = _place(route, foot.index, foot.share)
     left = float(route.along[-1]) - place
     speed = _speed_at(route, place + settings.braking * state.speed)
     speed = max(speed, min(settings.creep, settings.homing * left))
-    pursuit = parts.pure_pursuit(route.xy, (x, y, state.course), lookahead, foot.index)
-    course = _steered(state.course, speed * pursuit.curvature * dt, pursuit.target, x, y)
+    course = _steered(state.course, speed * curvature * dt, target, x, y)
     off = _cross_track(route.xy, foot, x, y)
     bound = PidLimits(-settings.aside, settings.aside)
     across = parts.pid_step(state.across, 0.0, off, dt, settings.across, bound)
@@ -186,6 +187,24 @@ def follow_step(
     return Following(
         twist, foot.index, course, speed, across, turning, left, rejected=state.rejected
     )
+
+
+LOOKS = ("nearest_point", "pure_pursuit")
+"""Parts whose compiled kernel does the same in one step, if both are the course's."""
+
+
+def _looked(
+    parts: Parts, path: FloatArray, pose: tuple[float, float, float], index: int, lookahead: float
+) -> tuple[PathPoint, float, tuple[float, float]]:
+    """Nearest point of the path, and curvature and target of the pursuit."""
+    x, y, course = pose
+    if parts.are_the_courses(*LOOKS):
+        (index, share, *foot, away), (_, _, *target), _ = look(path, x, y, index, lookahead)
+        curvature = bend(target[0] - x, target[1] - y, course)
+        return PathPoint(index, share, tuple(foot), away), curvature, tuple(target)
+    foot = parts.nearest_point(path, (x, y), index, lookahead)
+    pursuit = parts.pure_pursuit(path, pose, lookahead, foot.index)
+    return foot, pursuit.curvature, pursuit.target
 
 
 def _missed(state: Following, settings: FollowSettings) -> Following:
@@ -233,7 +252,8 @@ def _steered(course: float, turn: float, target: tuple[float, float], x: float, 
 
 def _cross_track(path: FloatArray, foot: PathPoint, x: float, y: float) -> float:
     """Distance from the path, positive to its left [m]."""
-    dx, dy = path[foot.index + 1] - path[foot.index]
+    (ax, ay), (bx, by) = path[foot.index : foot.index + 2].tolist()
+    dx, dy = bx - ax, by - ay
     length = hypot(dx, dy)
     fx, fy = foot.xy
     return (dx * (y - fy) - dy * (x - fx)) / length if length > 0.0 else 0.0

@@ -201,6 +201,8 @@ def _search_silo(pilot: Autopilot) -> Order:
 
 
 def _choose(pilot: Autopilot) -> None:
+    if all(map(is_full, pilot.sight.silos)):  # a robot with a ball may wait like this for a minute
+        return
     silo = pilot.parts.choose_silo(
         pilot.sight.silos, pilot.team, float(pilot.pose[1]), pilot.rhythm
     )

@@ -22,6 +22,7 @@ from robocon_course.gridmap import GridMap
 from robocon_course.planning import NoPathError, Plan, line_of_sight
 from robocon_course.planning.plans import checked_task
 from robocon_course.robot import SIDE
+from robocon_course.tracking.polyline import as_path
 
 MARGINS = (0.12, 0.06, 0.0)
 """Room between body and obstacles, as much as there is [m]."""
@@ -122,6 +123,7 @@ def plan_route(
         xy = np.asarray(parts.smooth_path(room, short, limits.curvature), float)
     if len(xy) < 3:  # the goal lies in the start's own cell or beside it: a profile needs a middle
         xy = np.linspace(*ends, 3)
+    xy = as_path(xy)  # checked once, looked at in every tick
     speeds = parts.speed_profile(xy, limits.speed, limits.accel, limits.lateral)
     return Route(xy, distance_along(xy), np.asarray(speeds, float), plan, margin)
 

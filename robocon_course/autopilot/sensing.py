@@ -7,7 +7,7 @@ from math import cos, fsum, inf, isfinite, nan, pi, radians, remainder, sin
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robocon_course import field, imu, odometry
 from robocon_course._arrays import FloatArray, as_floats
@@ -136,7 +136,7 @@ class Reckoning(NamedTuple):
         Heading and the gyroscope's bias.
     time : float  [s]
         Of the last observation that was used; NaN: none yet.
-    ticks : ndarray of int64, shape (3,), or None
+    ticks : tuple of 3 ints, or None
         Its counters.
     dt : float  [s]
         Between the last two that were used; NaN: there were none, or the clock leapt.
@@ -151,7 +151,7 @@ class Reckoning(NamedTuple):
     pose: FloatArray
     heading: odometry.HeadingState
     time: float = nan
-    ticks: NDArray[np.int64] | None = None
+    ticks: tuple[int, ...] | None = None
     dt: float = nan
     rate: float = nan
     missed: int = 0
@@ -214,16 +214,16 @@ def reckon(
         Counters or gyroscope of another shape. Never for a value: this runs in a control loop.
     """
     now, count = float(observation.time), len(wheels.radius)
-    ticks = as_floats(observation.ticks, "observation.ticks", count, finite=False).copy()
+    ticks = as_floats(observation.ticks, "observation.ticks", count, finite=False).tolist()
     gyro = as_floats(observation.gyro, "observation.gyro", None, 3, finite=False)[:, 2]
-    usable = isfinite(now) and bool((np.abs(ticks) < MOST_TICKS).all())
+    usable = isfinite(now) and all([abs(one) < MOST_TICKS for one in ticks])
     if usable and state.ticks is None:
-        return state._replace(time=now, ticks=ticks.astype(np.int64), missed=0)
+        return state._replace(time=now, ticks=tuple(map(int, ticks)), missed=0)
     dt = now - state.time
     leapt = usable and not 0.0 < dt <= LONGEST_GAP
     if not usable or (leapt and (dt == 0.0 or state.missed < PATIENCE)):
         return state._replace(missed=state.missed + 1, rejected=state.rejected + 1)
-    counted = ticks.astype(np.int64)
+    counted = tuple(map(int, ticks))
     rolled = _Rolled.of(parts, wheels, state.ticks, counted)
     rate, strange = (nan, False) if leapt else _rate(gyro, rolled.turned / dt, state.rate)
     step = dt if not leapt else LONGEST_GAP
@@ -245,24 +245,29 @@ class _Rolled(NamedTuple):
     ----------
     turned : float  [rad]
         How far the base turned, by the wheels.
-    changes : ndarray, shape (3,)
+    changes : ndarray of float, shape (3,)
         Counts.
     travel : ndarray, shape (1, 3), or None  [m]
         By the parts; None: their kernel is used.
     """
 
     turned: float
-    changes: NDArray
+    changes: FloatArray
     travel: FloatArray | None
 
     @classmethod
     def of(
-        cls, parts: Parts, wheels: odometry.TrackingWheels, before: NDArray, now: NDArray
+        cls,
+        parts: Parts,
+        wheels: odometry.TrackingWheels,
+        before: tuple[int, ...],
+        now: tuple[int, ...],
     ) -> _Rolled:
         if parts.are_the_courses(*CHAIN):
             half = 1 << (COUNTER_BITS - 1)
-            changes = (now - before + half) % (2 * half) - half
-            return cls(float(wheels.turn_per_tick @ changes), changes, None)
+            pairs = zip(before, now, strict=True)
+            changes = np.array([float((b - a + half) % (2 * half) - half) for a, b in pairs])
+            return cls(float(wheels.turn_per_tick.dot(changes)), changes, None)
         changes = parts.tick_changes(np.array([before, now]), COUNTER_BITS)
         travel = parts.wheel_travel(wheels, changes)
         return cls(float(np.asarray(parts.body_deltas(wheels, travel))[0, 2]), changes, travel)
@@ -273,8 +278,7 @@ class _Rolled(NamedTuple):
         """The pose after it, heading to `yaw` now."""
         if self.travel is None:
             pose, turn = state.pose.copy(), remainder(yaw - state.heading.yaw, TURN)
-            counts = self.changes.astype(float)
-            odometry_update(pose, counts, wheels.per_tick, wheels.per_turn, turn)
+            odometry_update(pose, self.changes, wheels.per_tick, wheels.per_turn, turn)
             return pose
         deltas = parts.body_deltas(wheels, self.travel, np.array([state.heading.yaw, yaw]))
         return np.array(parts.integrate(deltas, state.pose), float)[-1]

@@ -71,7 +71,7 @@ class Walls(NamedTuple):
 
     Attributes
     ----------
-    sigma : ndarray, shape (2,)  [m]
+    sigma : tuple of 2 floats  [m]
         How unsure x and y are.
     offsets : ndarray, shape (4,)  [m]
         What each LiDAR reads too much, as far as known.
@@ -83,7 +83,7 @@ class Walls(NamedTuple):
         How long none has fitted, along x and along y.
     """
 
-    sigma: FloatArray
+    sigma: tuple[float, float]
     offsets: FloatArray
     times: tuple[float, ...] = (-inf,) * len(LIDARS)
     used: int = 0
@@ -98,11 +98,11 @@ class Walls(NamedTuple):
     @property
     def sure(self) -> bool:
         """Whether both coordinates were measured."""
-        return bool(self.sigma.max() < SURE)
+        return self.sigma[0] < SURE and self.sigma[1] < SURE
 
     def doubted(self) -> Walls:
         """After a reset: the pose is to be measured anew."""
-        return self._replace(sigma=np.full(2, UNSURE), lost_for=(0.0, 0.0))
+        return self._replace(sigma=(UNSURE, UNSURE), lost_for=(0.0, 0.0))
 
 
 @njit(cache=True)
@@ -152,13 +152,13 @@ def expected_readings(pose: FloatArray) -> FloatArray:
         Distance [m] and mean cosine to the surface: 1 for a wall, small for a floor.
     """
     out = np.empty((len(LIDARS), 2))
-    x, y, theta = (float(number) for number in pose)
+    x, y, theta = map(float, pose)
     expected(x, y, theta, _MOUNTS, _RAYS, _map(), MODULES, FLOOR_TABLE, _NO_CELLS, out)
     return out
 
 
 def correct(
-    walls: Walls, pose: FloatArray, seen: Observation, motion: FloatArray, dt: float
+    walls: Walls, pose: FloatArray, seen: Observation, motion: tuple[float, float], dt: float
 ) -> tuple[Walls, FloatArray]:
     """A pose, moved by what the LiDARs say of it.
 
@@ -169,7 +169,7 @@ def correct(
     pose : ndarray, shape (3,)  [m, m, rad; map]
         By dead reckoning.
     seen : Observation
-    motion : ndarray, shape (2,)  [m/s, map]
+    motion : tuple of 2 floats  [m/s, map]
         How the robot moves: a reading is a little older than the counters.
     dt : float  [s]
         Since the step before.
@@ -179,30 +179,29 @@ def correct(
     walls : Walls
     pose : ndarray, shape (3,)  [m, m, rad; map]
     """
-    way = hypot(motion[0], motion[1]) * dt
-    variance = walls.sigma**2 + DRIFT**2 * way + IDLE**2 * dt
-    times = list(walls.times)
+    vx, vy = map(float, motion)
+    way = hypot(vx, vy) * dt
+    variance = [sigma * sigma + DRIFT**2 * way + IDLE**2 * dt for sigma in walls.sigma]
+    times, offsets = list(walls.times), walls.offsets.tolist()
     x, y, theta = pose.tolist()
-    turned = remainder(theta, pi / 2)
     fits, misfits = [0, 0], [0, 0]
-    if abs(turned) < ASLANT and inside(x, y):
-        should = expected_readings(pose)
+    if abs(remainder(theta, pi / 2)) < ASLANT and inside(x, y):
+        should = expected_readings((x, y, theta)).tolist()
         moved = [x, y]
         for j, (mount, reading) in enumerate(zip(LIDARS, seen.lidar, strict=False)):
-            if reading.time == times[j] or not abs(seen.time - reading.time) <= STALE:
+            age = seen.time - reading.time
+            if reading.time == times[j] or not abs(age) <= STALE:
                 continue
             times[j] = reading.time
-            distance, square = should[j].tolist()
+            distance, square = should[j]
             strong = WEAKEST <= reading.strength < SATURATED and isfinite(reading.distance)
             if not (strong and NEAR < distance < FAR and square > SQUARE):
                 continue
-            angle = theta + mount.angle
-            axis = 0 if abs(cos(angle)) > abs(sin(angle)) else 1
-            along = cos(angle) if axis == 0 else sin(angle)
-            age = min(max(seen.time - reading.time, 0.0), 0.05)
+            c, s = cos(theta + mount.angle), sin(theta + mount.angle)
+            axis, along = (0, c) if abs(c) > abs(s) else (1, s)
             # The reading was taken a little way back; along the beam that way counts.
-            residual = reading.distance - walls.offsets[j] - distance
-            residual -= (motion[0] * cos(angle) + motion[1] * sin(angle)) * age
+            residual = reading.distance - offsets[j] - distance
+            residual -= (vx * c + vy * s) * min(max(age, 0.0), 0.05)
             gate = min(GATE + 3.0 * sqrt(variance[axis]), WIDEST)
             if abs(residual) > gate:
                 misfits[axis] += 1
@@ -213,12 +212,13 @@ def correct(
             moved[axis] -= gain * residual / along
             variance[axis] *= 1.0 - gain
         pose = np.array([*moved, theta])
-    lost_for = tuple(
-        0.0 if fits[k] else walls.lost_for[k] + dt * bool(misfits[k]) for k in range(2)
+    lost_x, lost_y = (
+        0.0 if fit else lost + dt * bool(misfit)
+        for fit, misfit, lost in zip(fits, misfits, walls.lost_for, strict=True)
     )
     return Walls(
-        np.sqrt(variance), walls.offsets, tuple(times),
-        walls.used + sum(fits), walls.refused + sum(misfits), lost_for,
+        (sqrt(variance[0]), sqrt(variance[1])), walls.offsets, tuple(times),
+        walls.used + sum(fits), walls.refused + sum(misfits), (lost_x, lost_y),
     ), pose  # fmt: skip
 
 

@@ -267,12 +267,12 @@ def _checked(gains: HeadingGains) -> tuple[float, float, float, float]:
         raise ValueError(
             f"gains: time constants must be positive, slip and rest not negative, got {gains}"
         )
-    return _floats(gains)
+    return tuple(map(float, gains))
 
 
 def _memory(state: HeadingState) -> FloatArray:
-    return np.array(_floats(state[:4]))
+    return np.array(state[:4], float)  # of None it makes NaN
 
 
 def _floats(values) -> tuple[float, ...]:
-    return tuple(nan if value is None else float(value) for value in values)
+    return tuple([nan if value is None else float(value) for value in values])

@@ -8,6 +8,7 @@
 ``sensors``   `SensorModel`: all sensors' errors and rates
 ``inertial``  what the IMU reads
 ``lidar``     what the LiDARs read
+``encoders``  what the encoders of dead wheels and modules read
 ``camera``    what the robot's camera sees; imported by name, because it draws
 ``noise``     random numbers by row
 ``numbers``   refusals of what is no number of a model

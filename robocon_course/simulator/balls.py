@@ -84,7 +84,7 @@ def roll(xy, velocity, place, robot, motion, pull, dt):
             if place[i] != FREE:
                 continue
             for j in range(i):
-                if place[j] == FREE:
+                if place[j] == FREE and _near(xy, i, j):
                     _part(xy, velocity, i, j)
         for i in range(count):
             if place[i] != FREE:
@@ -93,6 +93,12 @@ def roll(xy, velocity, place, robot, motion, pull, dt):
                 at_rollers = i
             _keep_in(xy, velocity, i)
     return at_rollers
+
+
+@njit
+def _near(xy, i, j):
+    """Whether two balls may overlap: few pairs do, and nothing more is worked out for the rest."""
+    return abs(xy[i, 0] - xy[j, 0]) < BALL_DIAMETER and abs(xy[i, 1] - xy[j, 1]) < BALL_DIAMETER
 
 
 @njit

@@ -16,6 +16,7 @@ from numba import njit
 from robocon_course import field
 from robocon_course._arrays import FloatArray
 from robocon_course.vision import BALLS, SILOS, Camera, Detections
+from robocon_course.vision.camera import cross
 
 
 class Mistakes(NamedTuple):
@@ -44,10 +45,18 @@ _ANGLES = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
 _DISC = np.vstack([np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)]) * r for r in (1.0, 0.55)])
 # And of a cylinder: its foot and its top.
 _CYLINDER = np.array([(np.cos(a), np.sin(a), z) for a in _ANGLES for z in (0.0, 1.0)])
+_HALF, _TALL = 0.5 * field.SILO_DIAMETER, field.SILO_HEIGHT
+# Each silo as it stands on the map, first without a third ball and then with it: it looks out.
+_SILOS_STANDING = np.array([
+    [_CYLINDER * (_HALF, _HALF, tall) + (x, y, field.SILO_ZONE.height) for x, y in field.SILOS]
+    for tall in (_TALL, _TALL + 0.135)
+])  # fmt: skip
 AHEAD = 0.3
 """Nothing nearer before the lens is seen [m]."""
 LEAST_SEEN = 0.15
-"""Of a thing of which less is seen nothing is said."""
+"""Of a ball of which less is seen nothing is said."""
+SHOWN = 0.6
+"""Nor of a silo of which less lies within the picture."""
 
 
 def balls_seen(
@@ -76,13 +85,12 @@ def balls_seen(
     away = (np.asarray(centres, float).reshape(-1, 3) - T_map_camera[:3, 3]) @ T_map_camera[:3, :3]
     order = np.argsort(away[:, 2], kind="stable")
     order = order[away[order, 2] > AHEAD]
-    points = _project(camera, _outlines(away[order]))
+    points = camera.pixels(_outlines(away[order]))
     framed, seen = np.empty((len(order), 4)), np.empty(len(order))
     frame_seen(points, len(_ANGLES), float(camera.width), float(camera.height), framed, seen)
     kept = np.flatnonzero(seen >= LEAST_SEEN)
-    boxes, shares = list(framed[kept]), seen[kept].tolist()
-    ids = [BALLS.index(colours[order[k]]) for k in kept]
-    return _told(camera, boxes, ids, shares, len(BALLS), rng, mistakes)
+    ids = [BALLS.index(colours[k]) for k in order[kept]]
+    return _told(camera, framed[kept], ids, seen[kept], len(BALLS), rng, mistakes)
 
 
 def silos_seen(
@@ -107,24 +115,21 @@ def silos_seen(
     -------
     Detections
     """
-    boxes, ids, shares = [], [], []
-    for (x, y), filling in zip(field.SILOS, fillings, strict=True):
-        tall = field.SILO_HEIGHT + (0.135 if len(filling) == 3 else 0.0)
-        half = 0.5 * field.SILO_DIAMETER
-        outline = _CYLINDER * (half, half, tall) + (x, y, field.SILO_ZONE.height)
-        away = (outline - T_map_camera[:3, 3]) @ T_map_camera[:3, :3]
-        if away[:, 2].min() < AHEAD:
-            continue
-        points = _project(camera, away[None])[0]
-        box = np.r_[points.min(axis=0), points.max(axis=0)]
-        cut = np.clip(box, 0, (camera.width, camera.height) * 2)
-        share = np.prod(cut[2:] - cut[:2]) / np.prod(box[2:] - box[:2])
-        if share < 0.6:
-            continue
-        boxes.append(cut)
-        ids.append(SILOS.index(filling))
-        shares.append(share)
-    return _told(camera, boxes, ids, shares, len(SILOS), rng, mistakes)
+    full = [int(len(filling) == 3) for filling in fillings]
+    outlines = _SILOS_STANDING[full, range(len(field.SILOS))]
+    away = (outlines - T_map_camera[:3, 3]) @ T_map_camera[:3, :3]
+    ahead = np.flatnonzero(away[..., 2].min(axis=1) >= AHEAD)
+    points = camera.pixels(away[ahead])
+    boxes = np.concatenate([points.min(axis=1), points.max(axis=1)], axis=1)
+    cut = np.clip(boxes, 0, (camera.width, camera.height) * 2)
+    shares = _area(cut) / _area(boxes)
+    kept = np.flatnonzero(shares >= SHOWN)
+    ids = [SILOS.index(fillings[k]) for k in ahead[kept]]
+    return _told(camera, cut[kept], ids, shares[kept], len(SILOS), rng, mistakes)
+
+
+def _area(boxes: FloatArray) -> FloatArray:
+    return (boxes[:, 2] - boxes[:, 0]) * (boxes[:, 3] - boxes[:, 1])
 
 
 @njit(cache=True)
@@ -176,38 +181,33 @@ def _outlines(away: FloatArray) -> FloatArray:
     towards = away / far
     share = (0.5 * field.BALL_DIAMETER / far) ** 2
     radius = 0.5 * field.BALL_DIAMETER * np.sqrt(1.0 - np.minimum(share, 0.9))
-    across = np.cross(towards, (0.0, 1.0, 0.0))
+    across = np.stack(cross(towards.T, (0.0, 1.0, 0.0)), axis=1)
     across /= np.linalg.norm(across, axis=1, keepdims=True)
-    upright = np.cross(towards, across)
+    upright = np.stack(cross(towards.T, across.T), axis=1)
     flat = _DISC[None, :, :1] * across[:, None] + _DISC[None, :, 1:] * upright[:, None]
     return (away * (1.0 - share))[:, None] + radius[:, None] * flat
 
 
-def _project(camera: Camera, points: FloatArray) -> FloatArray:
-    """Pixels of points in front of the camera, (..., 2), from the camera frame."""
-    return camera.pixels(points.reshape(-1, 3)).reshape(*points.shape[:-1], 2)
-
-
 def _told(
     camera: Camera,
-    boxes: list[FloatArray],
+    boxes: FloatArray,
     ids: list[int],
-    shares: list[float],
+    shares: FloatArray,
     classes: int,
     rng: np.random.Generator,
     mistakes: Mistakes,
 ) -> Detections:
     """What is said of the things in view."""
     count = len(boxes)
-    framed = np.array(boxes, float).reshape(-1, 4) + rng.normal(0.0, mistakes.edge, (count, 4))
-    luck, other, doubt = rng.random(count), rng.random(count), rng.random(count)
-    number, share = np.array(ids, np.int64), np.array(shares, float)
+    framed = boxes + rng.normal(0.0, mistakes.edge, (count, 4))
+    luck, other, doubt = rng.random((3, count))
+    number = np.array(ids, np.int64)
     side = (framed[:, 2:] - framed[:, :2]).min(axis=1, initial=np.inf)
-    chance = (1.0 - mistakes.miss) * np.clip(3.0 * share, 0.0, 1.0)
+    chance = (1.0 - mistakes.miss) * np.minimum(3.0 * shares, 1.0)
     chance = chance * (1.0 - 0.5 ** np.maximum(side / mistakes.small, 0.0))
     shift = rng.integers(1, classes, count)
     number = np.where(other < mistakes.other, (number + shift) % classes, number)
-    scores = (0.95 - 0.25 * doubt * (1.5 - np.minimum(share, 1.0))).astype(np.float32)
+    scores = (0.95 - 0.25 * doubt * (1.5 - np.minimum(shares, 1.0))).astype(np.float32)
     framed = np.clip(framed, 0, (camera.width, camera.height) * 2).astype(np.float32)
     kept = np.flatnonzero((luck < chance) & (side > 2.0))
     kept = kept[np.argsort(-scores[kept], kind="stable")]

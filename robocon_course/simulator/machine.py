@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from robocon_course import field
 from robocon_course._arrays import FloatArray, as_floats
 from robocon_course.robot import LIDAR_HEIGHT, LIDARS, Command, LidarReading, Observation
-from robocon_course.simulator import inertial, lidar, physics
+from robocon_course.simulator import encoders, inertial, lidar, physics
 from robocon_course.simulator.model import RobotModel, game_field
 from robocon_course.simulator.noise import Noise
 from robocon_course.simulator.physics import TICK
@@ -158,7 +158,7 @@ class Simulator:
         ValueError
             Another dt.
         """
-        if not isinstance(dt, float | int | np.number) or not 0.0 < dt <= LONGEST_STEP:
+        if not isinstance(dt, (float, int, np.number)) or not 0.0 < dt <= LONGEST_STEP:
             raise ValueError(f"dt: must be seconds above 0, at most {LONGEST_STEP:g}, got {dt!r}")
         part = self._part + self._owed + dt / TICK
         ticks = floor(part + 1e-6)
@@ -193,7 +193,8 @@ class Simulator:
             )
         speeds, angles = command.checked()
         # The wheels themselves end at the top speed.
-        self.clamped += bool(np.abs(speeds).max() > self._body.max_speed * (1.0 + 1e-9))
+        fastest = max(map(abs, speeds.tolist()))
+        self.clamped += fastest > self._body.max_speed * (1.0 + 1e-9)
         # A module has no end stop; of a huge angle the direction is all that a float can still add.
         self._command[0] = speeds
         np.fmod(angles, 2.0 * pi, self._command[1])
@@ -207,24 +208,30 @@ class Simulator:
         """
         state, sensors, count = self._state, self.sensors, self._unread
         samples, self._unread = self._imu[:count].copy(), 0
-        last = self._tick // self._imu_every
+        every, last = self._imu_every, self._tick // self._imu_every
         looks = np.empty((len(LIDARS), 3))
         noise = self._lidar_noise
         lidar.look(
             self._track, self._tick, self._lidars, self._light, noise.window, noise.first, looks
         )
+        ticks, modules = np.empty(len(state.travel), np.int64), np.empty((2, 4))
+        encoders.count(
+            state.travel - self._uncounted, self._metres_per_tick, state.speeds, state.angles,
+            sensors.speed_step, sensors.angle_step, ticks, modules,
+        )  # fmt: skip
+        readings = [
+            LidarReading(tick / RATE, distance, int(strength), TEMPERATURE)
+            for tick, distance, strength in looks.tolist()
+        ]
         return Observation(
             time=self.time,
-            ticks=np.floor((state.travel - self._uncounted) / self._metres_per_tick).astype(int),
-            imu_time=np.arange(last - count + 1, last + 1) * self._imu_every / RATE,
+            ticks=ticks,
+            imu_time=np.array([k * every / RATE for k in range(last - count + 1, last + 1)]),
             gyro=samples[:, :3],
             accel=samples[:, 3:],
-            lidar=tuple(
-                LidarReading(tick / RATE, distance, int(strength), TEMPERATURE)
-                for tick, distance, strength in looks.tolist()
-            ),
-            module_speeds=np.rint(state.speeds / sensors.speed_step) * sensors.speed_step,
-            module_angles=np.rint(state.angles / sensors.angle_step) * sensors.angle_step,
+            lidar=tuple(readings),
+            module_speeds=modules[0],
+            module_angles=modules[1],
             battery=round(float(state.battery[0]), 2),
         )
 

@@ -181,7 +181,7 @@ class Match:
         frame = None
         while self._frames and self._frames[0].time + LATENCY <= seen.time + 1e-9:
             frame = self._frames.pop(0)
-        self._last = seen._replace(holding=self.balls.held >= 0, frame=frame)
+        self._last = Observation(*seen[:-2], holding=self.balls.held >= 0, frame=frame)
         return self._last
 
     def apply(self, command: Command) -> None:
@@ -269,8 +269,11 @@ class Match:
         """The held ball over the front edge into a silo, or through the rollers to the floor."""
         ball = self.balls.held
         self._released = self._released + CYCLE if ball >= 0 and self._command.release else 0.0
+        ejected = ball >= 0 and pull < 0.0
+        if self._released < LETTING_GO and not ejected:
+            return
         c, s = cos(pose[2]), sin(pose[2])
-        if ball >= 0 and pull < 0.0:
+        if ejected:
             reach = 0.45
             self.put_down(ball, (pose[0] + reach * c, pose[1] + reach * s), (0.4 * c, 0.4 * s))
         if self._released < LETTING_GO:
@@ -327,45 +330,52 @@ class Match:
     # --- camera -----------------------------------------------------------------------------------
 
     def _turn_camera(self) -> None:
-        most = SERVO * CYCLE
-        for name in ("pan", "tilt"):
-            wanted, now = float(getattr(self._command, name)), getattr(self, name)
-            setattr(self, name, now + min(max(wanted - now, -most), most))
+        most, command = SERVO * CYCLE, self._command
+        self.pan += min(max(float(command.pan) - self.pan, -most), most)
+        self.tilt += min(max(float(command.tilt) - self.tilt, -most), most)
 
     def _take_frame(self, pose: FloatArray) -> None:
         kind, pan, tilt = self._command.watch, self.pan, self.tilt
-        free = self.balls.free
-        xy = self.balls.xy[free]
-        heights = rolling.floor_under(xy) + rolling.RADIUS
-        centres = np.column_stack([xy, heights])
-        colours = [self.balls.colours[k] for k in free]
         dark = self._now("dark")
         image, found = None, {}
         if self._eye is not None:
             image = np.zeros((240, 320, 3), np.uint8) if dark else self._eye.look(
                 pose, pan=pan, tilt=tilt, kind=kind,
-                balls=[(tuple(c), name) for c, name in zip(centres, colours, strict=True)],
-                silos=[filling or "empty" for filling in self.referee.fillings],
+                balls=[(tuple(c), name) for c, name in zip(*self._lying(), strict=True)],
+                silos=self._standing(),
             ).image_bgr  # fmt: skip
         elif not dark:
-            found = {kind: self._said(pose, kind, centres, colours)}
+            found = {kind: self._said(pose, kind)}
         self._frames.append(Frame(self.robot.time, pan, tilt, image, found))
 
-    def _said(self, pose: FloatArray, kind: str, centres: FloatArray, colours: list[str]) -> Any:
+    def _said(self, pose: FloatArray, kind: str) -> Any:
         T_map_camera = view_from(pose, self.pan, self.tilt)
         rng, camera = self._rng["camera"], CAMERA
         if kind == "ball":
-            return balls_seen(camera, T_map_camera, centres, colours, rng)
-        fillings = [filling or "empty" for filling in self.referee.fillings]
-        return silos_seen(camera, T_map_camera, fillings, rng)
+            return balls_seen(camera, T_map_camera, *self._lying(), rng)
+        return silos_seen(camera, T_map_camera, self._standing(), rng)
+
+    def _lying(self) -> tuple[FloatArray, list[str]]:
+        """Middles (n, 3) [m, map] and colours of the balls on the floor."""
+        free = self.balls.free
+        xy = self.balls.xy[free]
+        heights = rolling.floor_under(xy) + rolling.RADIUS
+        return np.column_stack([xy, heights]), [self.balls.colours[k] for k in free]
+
+    def _standing(self) -> list[str]:
+        """What the silos hold, as `vision.SILOS` writes it."""
+        return [filling or "empty" for filling in self.referee.fillings]
 
     # --- faults -----------------------------------------------------------------------------------
 
     def _now(self, kind: str) -> bool:
         """Whether a fault that lasts is there."""
-        return self.started is not None and any(
-            f.kind == kind and f.start <= self.clock < f.start + f.duration for f in self.faults
-        )
+        if self.started is None:
+            return False
+        for fault in self.faults:
+            if fault.kind == kind and fault.start <= self.clock < fault.start + fault.duration:
+                return True
+        return False
 
     def _go_wrong(self, pose: FloatArray) -> None:
         """Faults that happen once, as soon as they can after their time."""

@@ -48,6 +48,10 @@ SMOOTHING = 0.02
 """The battery's voltage follows the load with this time constant [s]."""
 
 
+inlined = njit(inline="always")
+"""For the parts of `advance`: a call would count anew who holds each of a state's arrays."""
+
+
 class Body(NamedTuple):
     """One robot's numbers, as the kernels take them: see `RobotModel`.
 
@@ -180,7 +184,7 @@ def advance(state, command, body, world, h, tick, ticks, track):
         _note(state, track[(tick + k) % len(track)])
 
 
-@njit
+@inlined
 def _note(state, row):
     """One row of the track."""
     row[0], row[1], row[2] = state.pose[0], state.pose[1], state.pose[2]
@@ -188,13 +192,13 @@ def _note(state, row):
     row[6], row[7], row[8] = state.floor[0], state.floor[1], state.floor[2]
 
 
-@njit
+@inlined
 def _limited(value, most):
     """``value``, or ``most`` with its sign."""
     return min(max(value, -most), most)
 
 
-@njit
+@inlined
 def _drive_modules(state, command, body, h):
     """Modules turn and wheels spin up: a lag, a fastest rate, and a voltage that allows so much."""
     top = body.max_speed * state.battery[0] / body.battery
@@ -210,7 +214,7 @@ def _drive_modules(state, command, body, h):
         state.speeds[i] = speed if abs(speed) > REST else 0.0
 
 
-@njit
+@inlined
 def _grip(state, body, h):
     """Velocity at the step's end, from the wheels' grip and the slope."""
     velocity, wheels = state.velocity, state.wheels
@@ -234,7 +238,7 @@ def _grip(state, body, h):
     _push(state, body, h, most, there, free)
 
 
-@njit
+@inlined
 def _rolling_velocity(wheels, body, limit, free, guess):
     """Velocity (x, y, turn) at the step's end: (M + h Σ K JᵀJ) v = M v_free + h Σ K Jᵀ u."""
     vx, vy, turn = guess
@@ -259,7 +263,7 @@ def _rolling_velocity(wheels, body, limit, free, guess):
     return vx, vy, turn
 
 
-@njit
+@inlined
 def _push(state, body, h, most, there, free):
     """Forces for the slip at the step's end, none above its limit; velocity and load from them."""
     wheels, velocity = state.wheels, state.velocity
@@ -286,7 +290,7 @@ def _push(state, body, h, most, there, free):
     state.battery[0] += min(h / SMOOTHING, 1.0) * (sag - state.battery[0])
 
 
-@njit
+@inlined
 def _stall(state, drive_force):
     """A motor that gives all it has cannot spin its wheel: the floor takes the wheel along."""
     wheels, turn = state.wheels, state.velocity[2]
@@ -301,7 +305,7 @@ def _stall(state, drive_force):
             state.speeds[i] = rolled + (CREEP if given > 0.0 else -CREEP)
 
 
-@njit
+@inlined
 def _floor_at(x, y, table):
     """Height of the floor at a point, and its rise along x and y [map]."""
     for k in range(len(table) - 1, -1, -1):  # where rectangles overlap, the later one holds
@@ -312,7 +316,7 @@ def _floor_at(x, y, table):
     return 0.0, 0.0, 0.0
 
 
-@njit
+@inlined
 def _stand(state, body, floor):
     """Heights under the four wheels, and the plane that fits them best: tilt and height."""
     c, s = cos(state.pose[2]), sin(state.pose[2])
@@ -327,7 +331,7 @@ def _stand(state, body, floor):
     state.floor[0], state.floor[1], state.floor[2] = along_x, along_y, middle
 
 
-@njit
+@inlined
 def _roll(state, body, floor, before):
     """Dead wheels roll along the floor, as far as their own place went in their direction."""
     dx, dy = state.pose[0] - before[0], state.pose[1] - before[1]
@@ -348,7 +352,7 @@ def _roll(state, body, floor, before):
 # --- walls ---------------------------------------------------------------------------------------
 
 
-@njit
+@inlined
 def _collide(state, body, boxes):
     """Push the body out of what it entered, and take the velocity that goes into it."""
     touching = False
@@ -374,7 +378,7 @@ def _collide(state, body, boxes):
     state.contact[0] = touching
 
 
-@njit
+@inlined
 def _gap_to(pose, half, box):
     """Gap between body and box, negative inside, and the direction out of the box.
 
@@ -398,7 +402,7 @@ def _gap_to(pose, half, box):
     return best, nx, ny
 
 
-@njit
+@inlined
 def _meeting_point(pose, half, box, nx, ny):
     """Where they meet, from the body's middle: corners inside the other, weighted by depth."""
     c, s = cos(pose[2]), sin(pose[2])
@@ -424,7 +428,7 @@ def _meeting_point(pose, half, box, nx, ny):
     return x_sum / weight - pose[0], y_sum / weight - pose[1]
 
 
-@njit
+@inlined
 def _bounce(state, body, x, y, nx, ny):
     """Impulse at (x, y) from the middle: no bounce, friction across; off-centre it spins."""
     v = state.velocity

@@ -1,7 +1,7 @@
 """Every sensor of the simulated robot: how often it measures, and how far from the truth.
 
-The IMU's formulas stand in `inertial`, the LiDARs' in `lidar`, known motions to record in
-`motions`; their public names are here as well.
+The IMU's formulas stand in `inertial`, the LiDARs' in `lidar`, the encoders' in `encoders`, known
+motions to record in `motions`; their public names are here as well.
 """
 
 from __future__ import annotations

@@ -101,6 +101,8 @@ class Pid:
     limits : PidLimits
     wrap : bool
         Setpoint and measurement are angles [rad]; error and change go the shorter way round.
+    state : PidState
+        Where it goes on; a new one starts from nothing.
 
     Raises
     ------
@@ -129,11 +131,12 @@ class Pid:
         limits: PidLimits = PidLimits(),  # noqa: B008 - a NamedTuple cannot change
         *,
         wrap: bool = False,
+        state: PidState = PidState(),  # noqa: B008
     ) -> None:
         self._k_p, self._k_i, self._k_d, self._smoothing = _checked_gains(gains)
         self._low, self._high, self._cap = _checked_limits(limits)
         self._wrap = bool(wrap)
-        self.state = PidState()
+        self.state = state
 
     def update(self, setpoint: float, measured: float, dt: float) -> float:
         """The output after one more sample.
@@ -217,14 +220,15 @@ class Pid:
     def state(self) -> PidState:
         """What to keep and give back later."""
         return PidState(
-            *self.terms, self._measured, self._gap, self._output, rejected=self._rejected
-        )
+            self._proportional, self._integral, self._derivative,
+            self._measured, self._gap, self._output, self._rejected,
+        )  # fmt: skip
 
     @state.setter
     def state(self, state: PidState) -> None:
-        *terms, measured, gap, output, rejected = state
-        self._proportional, self._integral, self._derivative = map(float, terms)
-        self._measured, self._gap, self._output = float(measured), float(gap), float(output)
+        *numbers, rejected = state
+        self._proportional, self._integral, self._derivative, *rest = map(float, numbers)
+        self._measured, self._gap, self._output = rest
         self._rejected = int(rejected)
 
 
@@ -267,23 +271,22 @@ def pid_step(
     >>> pid_step(PidState(), 1.0, 0.0, 0.1, PidGains(2.0, 5.0)).output
     2.5
     """
-    pid = Pid(gains, limits, wrap=wrap)
-    pid.state = state
+    pid = Pid(gains, limits, wrap=wrap, state=state)
     pid.update(setpoint, measured, dt)
     return pid.state
 
 
 def _checked_gains(gains: PidGains) -> tuple[float, ...]:
-    gains = PidGains(*map(float, gains))
-    if not all(map(isfinite, gains)) or gains.smoothing < 0.0:
+    k_p, k_i, k_d, smoothing = checked = tuple(map(float, gains))
+    if not (isfinite(k_p) and isfinite(k_i) and isfinite(k_d) and 0.0 <= smoothing < inf):
         raise ValueError(
             f"gains: expected finite numbers, smoothing in seconds from 0 on, got {gains}"
         )
-    return gains
+    return checked
 
 
 def _checked_limits(limits: PidLimits) -> tuple[float, ...]:
-    limits = PidLimits(*map(float, limits))
-    if not (limits.low < limits.high and limits.integral >= 0.0):
+    low, high, integral = checked = tuple(map(float, limits))
+    if not (low < high and integral >= 0.0):
         raise ValueError(f"limits: expected low < high and integral from 0 on, got {limits}")
-    return limits
+    return checked

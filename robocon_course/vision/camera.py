@@ -11,8 +11,10 @@ exact in both directions, which the polynomial models are not.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, sin, tan
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -78,7 +80,7 @@ class Camera:
         points = as_vectors(points, "points", 3)
         depth = np.where(points[..., 2:] > 1e-9, points[..., 2:], np.nan)
         flat = points[..., :2] / depth
-        squared = np.sum(flat * flat, axis=-1, keepdims=True)
+        squared = _squared(flat)[..., None]
         with np.errstate(invalid="ignore"):
             # The root of k r_u r_d^2 - r_d + r_u = 0 that tends to r_u as k does to 0.
             shrunk = 2.0 / (1.0 + np.sqrt(1.0 - 4.0 * self.distortion * squared))
@@ -97,9 +99,16 @@ class Camera:
             Unit vectors.
         """
         flat = (as_vectors(pixels, "pixels", 2) - self.centre) / self.focal
-        depth = 1.0 + self.distortion * np.sum(flat * flat, axis=-1, keepdims=True)
-        rays = np.concatenate([flat, depth], axis=-1)
-        return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+        squared = _squared(flat)
+        depth = 1.0 + self.distortion * squared
+        far = np.sqrt(squared + depth * depth)
+        return np.concatenate([flat, depth[..., None]], axis=-1) / far[..., None]
+
+
+def _squared(flat: FloatArray) -> FloatArray:
+    """x^2 + y^2 of points (..., 2): numpy's sum over an axis of two is slow to begin."""
+    x, y = flat[..., 0], flat[..., 1]
+    return x * x + y * y
 
 
 def camera_pose(
@@ -129,7 +138,7 @@ def camera_pose(
     ndarray, shape (4, 4)
         ``T_map_camera``: takes points from the camera frame to the map frame.
     """
-    x, y, theta = as_floats(pose, "pose", 3)
+    x, y, theta = as_floats(pose, "pose", 3).tolist()
     ahead, left, up = MOUNT
     lens = (
         x + ahead * cos(theta) - left * sin(theta),
@@ -148,7 +157,8 @@ def _tipped(rise: tuple[float, float], theta: float, foot: tuple) -> FloatArray:
     left /= np.linalg.norm(left)
     turn = np.array([(cos(theta), -sin(theta), 0.0), (sin(theta), cos(theta), 0.0), (0, 0, 1.0)])
     T = np.eye(4)
-    T[:3, :3] = turn @ np.column_stack([ahead, left, np.cross(ahead, left)]) @ turn.T
+    up = cross(ahead.tolist(), left.tolist())
+    T[:3, :3] = turn @ np.array([ahead, left, up]).T @ turn.T
     T[:3, 3] = foot - T[:3, :3] @ foot
     return T
 
@@ -163,15 +173,30 @@ def looking(lens: ArrayLike, heading: float, tilt: float, roll: float = 0.0) -> 
     tilt, roll : float  [rad]
         Tilt looks down; roll turns what the picture shows clockwise.
     """
-    forward = np.array([cos(heading) * cos(tilt), sin(heading) * cos(tilt), -sin(tilt)])
-    right = np.array([sin(heading), -cos(heading), 0.0])
-    down = np.cross(forward, right)
-    T = np.eye(4)
-    T[:3, 0] = cos(roll) * right - sin(roll) * down
-    T[:3, 1] = sin(roll) * right + cos(roll) * down
-    T[:3, 2] = forward
-    T[:3, 3] = as_floats(lens, "lens", 3)
-    return T
+    forward = (cos(heading) * cos(tilt), sin(heading) * cos(tilt), -sin(tilt))
+    right = (sin(heading), -cos(heading), 0.0)
+    down = cross(forward, right)
+    c, s, place = cos(roll), sin(roll), as_floats(lens, "lens", 3).tolist()
+    rows = [
+        (c * r - s * d, s * r + c * d, f, p)
+        for r, d, f, p in zip(right, down, forward, place, strict=True)
+    ]
+    return np.array([*rows, (0.0, 0.0, 0.0, 1.0)])
+
+
+def cross(one: Sequence[Any], other: Sequence[Any]) -> tuple[Any, Any, Any]:
+    """The cross product of two vectors, of numbers or of arrays: numpy's is slow to begin.
+
+    Parameters
+    ----------
+    one, other : sequence of 3
+
+    Returns
+    -------
+    tuple of 3
+    """
+    (ax, ay, az), (bx, by, bz) = one, other
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
 def view_towards(lens: ArrayLike, target: ArrayLike, roll: float = 0.0) -> FloatArray:

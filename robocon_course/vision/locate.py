@@ -7,7 +7,7 @@ standard deviation; together they are as good as the better one.
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, sin, sqrt, tan
+from math import atan2, cos, hypot, isfinite, sin, sqrt, tan
 from typing import NamedTuple
 
 import numpy as np
@@ -156,7 +156,7 @@ def both_rulers(size: Sighting, floor: Sighting) -> Sighting:
     Sighting
         The first alone, where the floor says nothing.
     """
-    if not np.isfinite(floor.range):
+    if not isfinite(floor.range):
         return size
     trust = size.range_sigma**-2, floor.range_sigma**-2
     far = (size.range * trust[0] + floor.range * trust[1]) / sum(trust)
@@ -178,18 +178,19 @@ class _Look(NamedTuple):
 
 
 def _look(box: ArrayLike, camera: Camera) -> _Look:
-    left, top, right, bottom = box = as_floats(box, "box", 4)
+    left, top, right, bottom = box = as_floats(box, "box", 4).tolist()
     if not (right > left and bottom > top):
-        raise ValueError(f"box: expected left < right and top < bottom, got {box.tolist()}")
+        raise ValueError(f"box: expected left < right and top < bottom, got {box}")
     x, y = (left + right) / 2, (top + bottom) / 2
     ends = camera.rays([[left, y], [right, y], [x, top], [x, bottom]])
-    across = np.arctan2(ends[:2, 0], ends[:2, 2])
-    down = np.arctan2(ends[2:, 1], ends[2:, 2])
+    aside = ends[[0, 1, 2, 3], [0, 0, 1, 1]]  # of left and right end to the right, else down
+    first, last, upper, lower = np.arctan2(aside, ends[:, 2]).tolist()
+    across, down = (first + last) / 2, (upper + lower) / 2
     return _Look(
-        tan(across.mean()),
-        tan(down.mean()),
-        BALL_DIAMETER / 2 / sin((across[1] - across[0]) / 2) * cos(across.mean()),
-        BALL_DIAMETER / 2 / sin((down[1] - down[0]) / 2) * cos(down.mean()),
+        tan(across),
+        tan(down),
+        BALL_DIAMETER / 2 / sin((last - first) / 2) * cos(across),
+        BALL_DIAMETER / 2 / sin((lower - upper) / 2) * cos(down),
     )
 
 
@@ -199,7 +200,7 @@ def _cornered(box: ArrayLike, camera: Camera) -> float:
     Where only one border cuts a ball, its other side still tells its size. In a corner both sides
     are cut, perhaps alike, and nothing in the box shows it.
     """
-    left, top, right, bottom = as_floats(box, "box", 4)
+    left, top, right, bottom = as_floats(box, "box", 4).tolist()
     near = 2 * EDGE_SIGMA
     beside = left <= near or right >= camera.width - near
     over = top <= near or bottom >= camera.height - near
