@@ -468,6 +468,48 @@ def test_the_operator_starts_stops_and_retries():
     assert play.match.retries == 1 and bus.latest["/operator"].name == "placed"
 
 
+@pytest.fixture
+def half_a_second(monkeypatch):
+    """Matches are over at once."""
+    monkeypatch.setattr("robocon_course.simulator.match.MATCH", 0.5)
+
+
+def test_how_a_match_ended_is_told_though_nobody_ticks_on(monkeypatch):
+    monkeypatch.setattr("robocon_course.simulator.match.MATCH", 5.0)
+    bus, lines = Bus(), []
+    bus.subscribe("/rosout", lambda topic, message: lines.append(message.text))
+    play = Play(seed=1, opponent=None, bus=bus)
+    play.start()
+    while not play.match.over:
+        play.tick()
+    score = bus.latest["/score"]
+    assert (score.winner, score.reason) == ("nobody", "points")
+    assert score.time == pytest.approx(play.match.robot.time)
+    assert "own: seedling" in lines, "it was planted in the last step"
+
+
+def test_after_the_end_the_match_clock_stands_and_never_runs_below_nothing(half_a_second):
+    bus = Bus()
+    play = Play(seed=1, opponent=None, bus=bus)
+    play.start()
+    for _ in range(100):
+        play.tick()
+    assert bus.latest["/score"].left == 180.0 - play.match.referee.ended
+
+
+def test_what_the_other_team_loses_is_no_warning_to_us():
+    bus, lines = Bus(), []
+    bus.subscribe("/rosout", lambda topic, message: lines.append((message.level, message.text)))
+    play = Play(seed=1, opponent=None, bus=bus)
+    play.match.referee.note(1.0, "lost ball", "theirs")
+    play.match.referee.note(1.0, "lost ball", "own", "let go over the floor")
+    play.tick()
+    assert lines[-2:] == [
+        ("info", "theirs: lost ball"),
+        ("warning", "own: lost ball let go over the floor"),
+    ]
+
+
 # --- what is told, and the drawn camera ---------------------------------------------------------
 
 

@@ -146,8 +146,14 @@ class Play:
         match.apply(command)
         if self._telemetry is not None:
             self._telemetry.tell(seen, command)
-            self._tell_score()
+            self._tell_events()
+            if round(match.robot.time * 100) % 10 == 0:
+                self._tell_score()
+        over = match.over
         match.step()
+        if match.over and not over and self._telemetry is not None:
+            self._tell_events()  # whoever plays stops here: nothing else would tell the end
+            self._tell_score()
         if match.retries != self._retries:
             self._retries = match.retries
             from robocon_course.simulator.referee import RETRY_COSTS
@@ -179,18 +185,20 @@ class Play:
         if self.bus is not None:
             self.bus.publish("/operator", Button(name, value))
 
+    def _tell_events(self) -> None:
+        """What the referee saw since it was told last."""
+        events, now = self.match.referee.events, self.match.robot.time
+        for event in events[self._events :]:
+            bad = event.team == "own" and event.what in ("foul", "retry", "fault", "lost ball")
+            text = f"{event.team}: {event.what} {event.detail}".rstrip()
+            self.bus.publish("/rosout", Log(now, "warning" if bad else "info", text))
+        self._events = len(events)
+
     def _tell_score(self) -> None:
-        match, bus, referee = self.match, self.bus, self.match.referee
-        now = match.robot.time
-        for event in referee.events[self._events :]:
-            level = "warning" if event.what in ("foul", "retry", "fault", "lost ball") else "info"
-            bus.publish("/rosout", Log(now, level, f"{event.team}: {event.what} {event.detail}"))
-        self._events = len(referee.events)
-        if round(now * 100) % 10 == 0:
-            pose, _ = match.robot.motion
-            bus.publish("/ground_truth", PoseStamped(now, pose))
-            score = Score(
-                now, referee.points["own"], referee.points["theirs"], MATCH_LENGTH - match.clock,
-                referee.winner, referee.reason,
-            )  # fmt: skip
-            bus.publish("/score", score)
+        """How the match stands, and where the robot is indeed."""
+        match, referee, now = self.match, self.match.referee, self.match.robot.time
+        pose, _ = match.robot.motion
+        self.bus.publish("/ground_truth", PoseStamped(now, pose))
+        left = MATCH_LENGTH - min(match.clock, referee.ended)
+        points = referee.points["own"], referee.points["theirs"]
+        self.bus.publish("/score", Score(now, *points, left, referee.winner, referee.reason))
