@@ -464,8 +464,84 @@ def test_the_operator_starts_stops_and_retries():
         play.tick()
     assert play.pilot.state is State.RESET and np.abs(play.match.robot.motion[1]).max() < 0.01
     bus.publish("/operator", Button("retry"))
+    told = []
+    bus.subscribe("/operator", lambda topic, button: told.append(button.name))
+    for _ in range(600):
+        play.tick()
+    assert play.match.retries == 1 and told == ["placed", "stop"]
+    assert play.pilot.state is State.RESET, "who was stopped waits for start, after a retry too"
+    bus.publish("/operator", Button("start"))
     play.tick()
-    assert play.match.retries == 1 and bus.latest["/operator"].name == "placed"
+    assert play.pilot.state is State.GO_TO_AREA_3
+
+
+BAD_BUTTONS = [
+    Button("colour", "green"), Button("colour", 1.0), Button("pan", "left"), Button("pan", np.nan),
+    Button("intake", ""), Button("tilt", None), Button("dance", "on"), "no button",
+]  # fmt: skip
+
+
+def test_buttons_that_cannot_be_are_told_and_the_others_work_on():
+    bus, lines = Bus(), []
+    play = Play(seed=1, bus=bus)
+    bus.subscribe("/rosout", lambda topic, message: lines.append((message.level, message.text)))
+    for button in BAD_BUTTONS:
+        bus.publish("/operator", button)
+    assert bus.failed == [] and play.match.team == "red"
+    assert {level for level, _ in lines} == {"warning"} and len(lines) == len(BAD_BUTTONS) - 1
+    assert "colour: expected one of red, blue, got 'green'" in lines[0][1]
+    assert "pan: expected a number, got 'left'" in lines[2][1]
+    bus.publish("/operator", Button("start"))
+    assert play.match.started is not None
+
+
+@pytest.mark.parametrize("stick", [Twist(np.nan, 0.0, 0.0), Twist("fast", 0, 0), None])
+def test_a_stick_that_is_nowhere_is_in_the_middle_and_is_heard_on(stick):
+    bus = Bus()
+    play = Play(seed=1, bus=bus)
+    bus.publish("/operator", Button("manual", "on"))
+    for told, moves in ((Twist(0.3, 0.0, 0.0), True), (stick, False), (Twist(0.3, 0, 0), True)):
+        bus.publish("/cmd_vel", told)
+        for _ in range(60):
+            play.tick()
+        assert (abs(play.match.robot.motion[1][0]) > 0.1) == moves
+    assert bus.failed == []
+
+
+def test_before_a_match_its_colour_is_chosen_after_it_the_next_one_s(half_a_second):
+    bus = Bus()
+    play = Play(seed=1, opponent=None, bus=bus)
+    bus.publish("/operator", Button("colour", "blue"))
+    assert play.match.team == play.pilot.team == "blue" and play.match.started is None
+    bus.publish("/operator", Button("start"))
+    first = play.match
+    bus.publish("/operator", Button("colour", "red"))
+    assert play.match is first and first.team == "blue", "in a match there is no choice"
+    for _ in range(60):
+        play.tick()
+    bus.publish("/operator", Button("colour", "red"))
+    assert play.match is first, "the score stays until the next start"
+    bus.publish("/operator", Button("start"))
+    assert play.match is not first and play.match.team == play.pilot.team == "red"
+    assert play.match.started is not None and play.seed == 2
+
+
+def test_after_the_end_and_after_a_stop_nobody_drives_by_hand_any_more(half_a_second):
+    bus = Bus()
+    play = Play(seed=1, opponent=None, bus=bus)
+    for last in (Button("stop"), Button("start")):
+        bus.publish("/operator", Button("start"))
+        bus.publish("/operator", Button("manual", "on"))
+        assert play._by_hand.on
+        while not play.match.over:
+            play.tick()
+        bus.publish("/operator", last)
+        assert not play._by_hand.on
+
+
+def test_another_strategy_is_refused():
+    with pytest.raises(CourseError, match="strategy: expected one of A, B, ahead, got 'C'"):
+        Play(strategy="C")
 
 
 @pytest.fixture
