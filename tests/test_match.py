@@ -181,11 +181,13 @@ def test_the_pile_holds_six_own_balls_and_ten_empty_ones_in_seeded_order(team):
         ({"team": "green"}, "team: expected one of red, blue, got 'green'"),
         ({"opponent": "mean"}, "opponent: expected one of None, weak, .*, got 'mean'"),
         ({"faults": [Fault("rain", 3.0)]}, "faults: expected one of dark, lidar, .*, got 'rain'"),
+        ({"seed": -1}, "seed: expected a whole number, 0 or more, got -1"),
+        ({"seed": 1.5}, "seed: expected a whole number, 0 or more, got 1.5"),
     ],
 )  # fmt: skip
-def test_another_team_opponent_or_fault_is_refused(settings, sentence):
+def test_another_team_opponent_fault_or_seed_is_refused(settings, sentence):
     with pytest.raises(CourseError, match=sentence):
-        Match(1, **settings)
+        Match(**{"seed": 1} | settings)
 
 
 # --- gripper -----------------------------------------------------------------------------------
@@ -279,6 +281,23 @@ def test_let_go_beside_a_silo_s_bore_the_ball_is_lost(aside):
     let_pass(match, 0.6, LETS_GO)
     assert match.referee.fillings == [""] * 5 and whats(match) == ["lost ball"]
     assert match.balls.place[-1] == OUT
+
+
+def test_let_go_over_a_full_silo_the_ball_is_lost_once():
+    match = holding(6.0 - ARM, 9.25)
+    match.referee.fillings[1] = "BBR"
+    let_pass(match, 0.6, LETS_GO)
+    assert [event[1:] for event in match.referee.events] == [
+        ("lost ball", "own", "silo 2 was full")
+    ]
+    assert match.balls.place[-1] == OUT and match.referee.fillings[1] == "BBR"
+
+
+def test_a_ball_that_goes_out_through_the_rollers_is_not_stored_as_well():
+    match = holding(6.0 - ARM, 9.25)
+    let_pass(match, 0.49, LETS_GO)
+    let_pass(match, 0.02, replace(LETS_GO, intake=-1.0))
+    assert match.referee.fillings == [""] * 5 and match.balls.place[-1] == FREE
 
 
 def test_let_go_over_the_floor_it_lies_there():
@@ -404,6 +423,21 @@ def test_kidnap_the_robot_stands_elsewhere_at_once():
     let_pass(match, 0.3)
     pose, _ = match.robot.motion
     assert hypot(pose[0] - 4.3, pose[1] - 10.5) > 1.0 and whats(match) == ["fault"]
+
+
+def test_after_a_foul_no_fault_puts_the_robot_back_where_it_was():
+    def at_a_purple_ball(*faults) -> Match:
+        match = begun(faults=faults)
+        match.balls.place[:] = OUT
+        match.robot.place((4.3, 10.5, pi))
+        match.balls.add((4.3 - SIDE / 2 - rolling.RADIUS - 0.005, 10.5), (0.0, 0.0), "purple")
+        let_pass(match, 0.4, PULLS)
+        return match
+
+    foul = at_a_purple_ball().referee.events[0]
+    match = at_a_purple_ball(Fault("kidnap", foul.time))  # possible in the very same cycle
+    assert whats(match) == ["foul", "retry"]
+    assert np.abs(match.robot.motion[0] - match.home)[:2].max() < 0.01
 
 
 def test_frozen_every_read_is_the_same():

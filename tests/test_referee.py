@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robocon_course import mission
+from robocon_course._arrays import CourseError
 from robocon_course.simulator.referee import (
     MATCH,
     MUA_VANG,
@@ -111,6 +112,52 @@ def test_when_time_is_up_points_decide(own, theirs, winner):
         referee.store(2.0, "theirs", k)
     referee.time_is_up(MATCH)
     assert (referee.winner, referee.reason, referee.ended) == (winner, "points", MATCH)
+
+
+@pytest.mark.parametrize(
+    ("own", "theirs", "winner"),
+    [
+        ({"stored": 1}, {"transfer": 3}, "own"),
+        ({"transfer": 3}, {"stored": 1}, "theirs"),
+        ({"seedling": 2}, {"transfer": 2}, "theirs"),
+        ({"transfer": 1, "seedling": 1}, {"seedling": 2}, "own"),
+        ({"stored": 1, "seedling": 1}, {"stored": 1, "seedling": 1}, "nobody"),
+    ],
+)
+def test_of_equal_points_silos_count_first_then_balls_that_were_sent(own, theirs, winner):
+    referee = Referee("R")
+    for team, deeds in (("own", own), ("theirs", theirs)):
+        for what, count in deeds.items():
+            for _ in range(count):
+                done = referee.store(1.0, team, 0) if what == "stored" else None
+                assert done is not False
+                if what != "stored":
+                    referee.give(1.0, team, what)
+    assert referee.points["own"] == referee.points["theirs"] > 0
+    referee.time_is_up(MATCH)
+    assert (referee.winner, referee.reason) == (winner, "points")
+
+
+@pytest.mark.parametrize(
+    ("deed", "sentence"),
+    [
+        (lambda: Referee("G"), "letter: expected one of R, B, got 'G'"),
+        (lambda: Referee("R").store(1.0, "red", 0), "team: expected one of own, theirs, got 'red'"),
+        (lambda: Referee("R").store(1.0, "own", -1), "silo: expected one of 0, 1, 2, 3, 4, got -1"),
+        (lambda: Referee("R").give(1.0, "own", "stored"), "what: expected one of transfer, see"),
+        (lambda: Referee("R").give(1.0, "we", "transfer"), "team: expected one of own, theirs"),
+    ],
+)
+def test_what_no_rule_knows_is_refused(deed, sentence):
+    with pytest.raises(CourseError, match=sentence):
+        deed()
+
+
+def test_what_is_refused_changes_nothing():
+    referee = Referee("R")
+    with pytest.raises(CourseError):
+        referee.store(1.0, "we", 0)
+    assert referee == Referee("R")
 
 
 def test_two_referees_share_nothing():

@@ -29,6 +29,7 @@ from robocon_course.simulator.referee import (
     RETRY_COSTS,
     Referee,
     plan,
+    refuse,
 )
 from robocon_course.simulator.sensors import SensorModel
 from robocon_course.vision.camera import Camera
@@ -85,7 +86,7 @@ class Match:
     Raises
     ------
     CourseError
-        Another team, opponent or fault.
+        Another team, opponent or fault, a seed that is none.
     """
 
     def __init__(
@@ -99,10 +100,12 @@ class Match:
         drawn: bool = False,
         faults: Sequence[Fault] = (),
     ) -> None:
-        _refuse("team", team, tuple(LETTERS))
-        _refuse("opponent", opponent, (None, *OPPONENTS))
+        refuse("team", team, tuple(LETTERS))
+        refuse("opponent", opponent, (None, *OPPONENTS))
         for fault in faults:
-            _refuse("faults", fault.kind, KINDS)
+            refuse("faults", fault.kind, KINDS)
+        if not isinstance(seed, int | np.integer) or seed < 0:
+            raise CourseError(f"seed: expected a whole number, 0 or more, got {seed!r}")
         words = np.random.SeedSequence([int(seed), 2024]).spawn(len(STREAMS))
         self._rng = {name: np.random.Generator(np.random.PCG64(w))
                      for name, w in zip(STREAMS, words, strict=True)}  # fmt: skip
@@ -222,7 +225,8 @@ class Match:
         self._grip(touched, pull)
         self._let_go(pose, pull)
         self._others()
-        self._go_wrong(pose)
+        if self.faults:
+            self._go_wrong(self.robot.motion[0])  # a foul may have put it elsewhere by now
         self._area_2 |= bool(pose[1] > 4.5)
         if self._command.watch and self.robot.time >= self._next_frame - 1e-9:
             self._take_frame(pose)
@@ -273,14 +277,16 @@ class Match:
         if ball >= 0 and pull < 0.0:
             reach = 0.45
             self.put_down(ball, (pose[0] + reach * c, pose[1] + reach * s), (0.4 * c, 0.4 * s))
+            self._released = 0.0
         if self._released < LETTING_GO:
             return
         self._released = 0.0
         x, y = pose[0] + ARM * c, pose[1] + ARM * s
         away = [hypot(x - sx, y - sy) for sx, sy in field.SILOS]
         silo = int(np.argmin(away))
-        if away[silo] <= BORE and self.referee.store(self.clock, "own", silo):
-            self.balls.place[ball] = OUT
+        if away[silo] <= BORE:
+            self.balls.place[ball] = OUT  # from a full silo it rolls away, as the referee notes
+            self.referee.store(self.clock, "own", silo)
         elif x > 5.75:  # on the Silo Zone nobody gets it any more
             self.balls.place[ball] = OUT
             self.referee.note(self.clock, "lost ball", "own", f"{away[silo]:.3f} m beside a silo")
@@ -376,8 +382,3 @@ class Match:
             if happen is not None and happen(self, pose):
                 self._done.add(fault)
                 self.referee.note(self.clock, "fault", "own", fault.kind)
-
-
-def _refuse(name: str, got: object, known: Sequence) -> None:
-    if got not in known:
-        raise CourseError(f"{name}: expected one of {', '.join(map(str, known))}, got {got!r}")
