@@ -156,10 +156,21 @@ def test_a_match_that_nobody_plays_ends_after_three_minutes_without_a_winner():
     referee = match.referee
     assert (referee.winner, referee.reason, referee.ended) == ("nobody", "points", 180.0)
     assert match.clock == pytest.approx(180.0)
-    assert referee.count("seedling") == 12 and referee.count("transfer") == 24
+    assert referee.count("seedling") == referee.count("transfer") == 12
+    assert referee.points == {"own": 240, "theirs": 240}
     fed = match.balls.colours[16:]
-    assert fed == ["red", "purple"] * 12  # Robot 1 sends own and empty ones in turns
+    assert fed == ["red", "purple"] * 6  # Robot 1 sends own and empty ones in turns
     assert match.balls.xy[match.balls.free, 1].min() > 8.0
+
+
+def test_no_more_balls_are_sent_than_seedlings_were_planted(monkeypatch):
+    monkeypatch.setattr("robocon_course.simulator.match.FEED", (1.0, 1.0))
+    match = begun()
+    match.robot.place((0.6, 5.5, 0.0))
+    for _ in range(2200):
+        match.step()
+        assert match.referee.count("transfer") <= match.referee.count("seedling")
+    assert match.referee.count("transfer") == 4
 
 
 def test_before_the_start_no_clock_runs_and_nothing_counts():

@@ -50,8 +50,11 @@ LETTING_GO = 0.5
 """It takes so long [s]."""
 BORE = 0.06
 """A ball that falls no farther than this beside a silo's middle slides in [m]."""
-FEED = (12.0, 7.0, 24)
-"""Robot 1 sends a ball from then on, so often, so many, own and empty in turns [s, s]."""
+SEEDLINGS, PLANTS = 12, 5.0
+"""Robot 1 plants so many, one every so many seconds [s]."""
+FEED = (12.0, 7.0)
+"""It sends a ball from then on, so often [s]: own and empty in turns, and never more balls than
+seedlings were planted."""
 STREAMS = ("pile", "placing", "opponent", "feed", "camera", "sensors")
 
 
@@ -316,12 +319,12 @@ class Match:
                 referee.store(now, "theirs", silo)
             else:
                 referee.note(now, "lost ball", "theirs")
-        if self._planted < 12 and now >= 5.0 * (self._planted + 1):
+        if self._planted < SEEDLINGS and now >= PLANTS * (self._planted + 1):
             self._planted += 1
             referee.give(now, "own", "seedling")
             referee.give(now, "theirs", "seedling")
-        first, every, most = FEED
-        if self._fed < most and now >= first + every * self._fed:
+        first, every = FEED
+        if self._fed < self._planted and now >= first + every * self._fed:
             rng = self._rng["feed"]
             at = float(rng.uniform(0.5, 1.9)), 8.15
             speed = float(rng.uniform(-0.15, 0.15)), float(rng.uniform(0.5, 0.9))
