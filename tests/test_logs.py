@@ -390,6 +390,17 @@ def test_poses_and_beams_are_thinned_to_20_a_second_and_pictures_to_10(tmp_path)
     assert list(found.topics) == sorted(found.topics)
 
 
+def test_what_has_no_time_is_on_the_clock_that_runs_now(tmp_path):
+    told = []
+    for at in (186.0, 185.92, 0.0, 0.01):  # a picture; then another match
+        told += [("/observation", seen(at)), ("/command", ASKED)]
+    written(tmp_path / "m.mcap", told)
+    with (tmp_path / "m.mcap").open("rb") as stream:
+        found = make_reader(stream).iter_messages(topics=["/command"], log_time_order=False)
+        times = [message.log_time / 1e9 for _, _, message in found]
+    assert times == [186.0, 186.0, 0.0, 0.01]
+
+
 def test_a_clock_that_begins_anew_does_not_silence_a_topic(tmp_path):
     times = (100.0, 100.01, 0.0, 0.01, 0.05)
     told = [("/odom", messages.PoseStamped(at, np.zeros(3))) for at in times]
@@ -494,6 +505,23 @@ def test_a_full_disk_ends_the_log_and_nothing_else(tmp_path, monkeypatch):
     bus.publish("/rosout", TOLD["/rosout"])
     bus.publish("/score", TOLD["/score"])
     assert [topic for topic, _ in bus.failed] == ["/rosout"] and bus.latest["/score"]
+
+
+def test_a_disk_that_was_full_for_a_while_leaves_the_part_and_no_file(tmp_path, monkeypatch):
+    log, full = MatchLog(tmp_path / "m.mcap"), OSError(errno.ENOSPC, "No space left on device")
+
+    def add(*_: object) -> None:
+        raise full
+
+    log.write("/rosout", TOLD["/rosout"])
+    with monkeypatch.context() as patch, pytest.raises(OSError, match="No space left"):
+        patch.setattr(log._writer, "add_message", add)
+        log.write("/rosout", TOLD["/rosout"])
+    assert log.kept == {"/rosout": 1}
+    with pytest.raises(LogError, match=r"m.mcap was not finished: No space left .* m.mcap.part"):
+        log.close()
+    log.close()
+    assert os.listdir(tmp_path) == ["m.mcap.part"]
 
 
 KILLED = """
