@@ -597,6 +597,18 @@ def test_a_file_that_is_cut_off_gives_what_is_whole(tmp_path, long_log, share):
     assert again == back, "a log can be read again"
 
 
+def test_a_scan_whose_beams_are_cut_off_is_none(tmp_path, monkeypatch):
+    monkeypatch.setattr("robocon_course.logs.writer.CHUNK", 700)  # two beams and a bit
+    told = [("/scan", TOLD["/scan"]._replace(time=k / 10)) for k in range(12)]
+    written(tmp_path / "m.mcap", told)
+    data, whole = (tmp_path / "m.mcap").read_bytes(), TOLD["/scan"].ranges.tolist()
+    for end in range(100, len(data), 50):
+        (tmp_path / "cut.mcap").write_bytes(data[:end])
+        found = [message for _, message in read_log(tmp_path / "cut.mcap")]
+        assert [one.ranges.tolist() for one in found] == [whole] * len(found)
+    assert len(list(read_log(tmp_path / "m.mcap"))) == 12
+
+
 @given(st.integers(0, 10**6), st.integers(0, 7))
 def test_a_flipped_bit_never_changes_what_is_read(short_log, place, bit):
     path, whole = short_log
