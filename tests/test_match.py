@@ -561,7 +561,8 @@ def test_before_a_match_its_colour_is_chosen_after_it_the_next_one_s(half_a_seco
     bus.publish("/operator", Button("start"))
     first = play.match
     bus.publish("/operator", Button("colour", "red"))
-    assert play.match is first and first.team == "blue", "in a match there is no choice"
+    assert play.match is first and first.team == "blue", "in a match it is the next one's, too"
+    bus.publish("/operator", Button("colour", "blue"))
     for _ in range(60):
         play.tick()
     bus.publish("/operator", Button("colour", "red"))

@@ -215,13 +215,11 @@ class Play:
             self._by_hand.press(button)
 
     def _choose_team(self, team: str) -> None:
-        """Before a match: of this one. After it: of the next. In between there is no choice."""
+        """Before a match: of this one. Later: of the next."""
         if team not in LETTERS:
             raise CourseError(f"colour: expected one of {', '.join(LETTERS)}, got {team!r}")
-        if self.match.over:
-            self._team = team
-        elif self.match.started is None and team != self._team:
-            self._team = team
+        before, self._team = self._team, team
+        if self.match.started is None and team != before:
             self._prepare()
 
     def _tell(self, name: str, value: str = "") -> None:
