@@ -164,7 +164,7 @@ def test_a_match_that_nobody_plays_ends_after_three_minutes_without_a_winner():
 
 
 def test_no_more_balls_are_sent_than_seedlings_were_planted(monkeypatch):
-    monkeypatch.setattr("robocon_course.simulator.match.FEED", (1.0, 1.0))
+    monkeypatch.setattr("robocon_course.simulator.others.FEED", (1.0, 1.0))
     match = begun()
     match.robot.place((0.6, 5.5, 0.0))
     for _ in range(2200):

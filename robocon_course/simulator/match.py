@@ -14,7 +14,7 @@ import numpy as np
 
 from robocon_course import field
 from robocon_course._arrays import CourseError, FloatArray
-from robocon_course.mission import LETTERS, order_b
+from robocon_course.mission import LETTERS
 from robocon_course.robot import Command, Frame, LidarReading, Observation
 from robocon_course.simulator import balls as rolling
 from robocon_course.simulator.balls import FREE, HELD, OUT, Balls
@@ -23,14 +23,8 @@ from robocon_course.simulator.faults import HAPPENS, KINDS, Fault, slipping
 from robocon_course.simulator.glimpse import balls_seen, silos_seen
 from robocon_course.simulator.machine import START, Simulator
 from robocon_course.simulator.model import RobotModel
-from robocon_course.simulator.referee import (
-    MATCH,
-    OPPONENTS,
-    RETRY_COSTS,
-    Referee,
-    plan,
-    refuse,
-)
+from robocon_course.simulator.others import Others
+from robocon_course.simulator.referee import MATCH, OPPONENTS, RETRY_COSTS, Referee, refuse
 from robocon_course.simulator.sensors import SensorModel
 from robocon_course.vision.camera import Camera
 
@@ -50,11 +44,6 @@ LETTING_GO = 0.5
 """It takes so long [s]."""
 BORE = 0.06
 """A ball that falls no farther than this beside a silo's middle slides in [m]."""
-SEEDLINGS, PLANTS = 12, 5.0
-"""Robot 1 plants so many, one every so many seconds [s]."""
-FEED = (12.0, 7.0)
-"""It sends a ball from then on, so often [s]: own and empty in turns, and never more balls than
-seedlings were planted."""
 STREAMS = ("pile", "placing", "opponent", "feed", "camera", "sensors")
 
 
@@ -118,8 +107,7 @@ class Match:
         self.robot.reset(int(self._rng["sensors"].integers(1 << 31)))
         pile = self._rng["pile"].permutation([team] * 6 + ["purple"] * 10)
         self.balls = Balls(np.array(field.PILE_BALLS), [str(name) for name in pile])
-        self._theirs = plan(self._rng["opponent"], OPPONENTS[opponent]) if opponent else []
-        self._their_y = float(field.SILO_POST[1])
+        self._others = Others(team, opponent, self._rng)
         self._eye = FieldCamera(int(self._rng["camera"].integers(1 << 31))) if drawn else None
         self.started: float | None = None
         self.retries, self._waits_until, self._area_2 = 0, 0.0, False
@@ -127,7 +115,7 @@ class Match:
         self._command = Command.stop()
         self._pulled = self._released = 0.0
         self._frames: list[Frame] = []
-        self._next_frame, self._fed, self._planted = 0.0, 0, 0
+        self._next_frame = 0.0
         self._done: set[Fault] = set()
         self._last: Observation | None = None
 
@@ -227,7 +215,7 @@ class Match:
             return
         self._grip(touched, pull)
         self._let_go(pose, pull)
-        self._others()
+        self._others.act(self.clock, self.referee, self.balls)
         if self.faults:
             self._go_wrong(self.robot.motion[0])  # a foul may have put it elsewhere by now
         self._area_2 |= bool(pose[1] > 4.5)
@@ -302,36 +290,6 @@ class Match:
         self.balls.xy[ball] = np.clip(xy, rolling.LOW, rolling.HIGH)
         self.balls.velocity[ball] = velocity
         self.balls.place[ball] = FREE
-
-    # --- the others -------------------------------------------------------------------------------
-
-    def _others(self) -> None:
-        """The other team's Robot 2, and both Robots 1."""
-        now, referee = self.clock, self.referee
-        while self._theirs and self._theirs[0][0] <= now and not self.over:
-            _, falls_in = self._theirs.pop(0)
-            theirs = "blue" if self.team == "red" else "red"
-            silo = order_b(referee.fillings, theirs, self._their_y)
-            if silo is None:
-                continue
-            self._their_y = float(field.SILOS[silo][1])
-            if falls_in:
-                referee.store(now, "theirs", silo)
-            else:
-                referee.note(now, "lost ball", "theirs")
-        if self._planted < SEEDLINGS and now >= PLANTS * (self._planted + 1):
-            self._planted += 1
-            referee.give(now, "own", "seedling")
-            referee.give(now, "theirs", "seedling")
-        first, every = FEED
-        if self._fed < self._planted and now >= first + every * self._fed:
-            rng = self._rng["feed"]
-            at = float(rng.uniform(0.5, 1.9)), 8.15
-            speed = float(rng.uniform(-0.15, 0.15)), float(rng.uniform(0.5, 0.9))
-            self.balls.add(at, speed, (self.team, "purple")[self._fed % 2])
-            self._fed += 1
-            referee.give(now, "own", "transfer")
-            referee.give(now, "theirs", "transfer")
 
     # --- camera -----------------------------------------------------------------------------------
 
