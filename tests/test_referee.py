@@ -19,6 +19,7 @@ from robocon_course.simulator.referee import (
     STORED,
     TRANSFER,
     Event,
+    Opponent,
     Referee,
     plan,
 )
@@ -99,6 +100,18 @@ def test_whoever_first_has_three_silos_wins_then_and_nothing_changes_it(moves):
     assert first is None or (referee.ended, referee.winner) == first
     balls = sum(map(len, referee.fillings))
     assert sum(referee.points.values()) == STORED * balls
+
+
+def test_after_mua_vang_nothing_changes_who_won():
+    referee = Referee("B")
+    for time, silo in enumerate([0] * 3 + [1] * 3 + [2] * 3):
+        assert referee.winner == ""
+        referee.store(float(time), "own", silo)
+    for silo in (3, 3, 3, 4, 4, 4):
+        referee.store(9.0, "theirs", silo)
+    referee.points["theirs"] += 1000
+    referee.time_is_up(MATCH)
+    assert (referee.winner, referee.reason, referee.ended) == ("own", MUA_VANG, 8.0)
 
 
 @pytest.mark.parametrize(
@@ -193,6 +206,13 @@ def test_they_come_in_order_at_their_own_pace_within_the_match_and_have_twelve_b
     assert -1.0 < gaps.mean() - team.every < 4 * team.spread / np.sqrt(len(gaps))
     falls_in = np.mean([good for one in plans for _, good in one])
     assert abs(1 - falls_in - team.failing) < 4 * np.sqrt(team.failing / len(gaps))
+
+
+def test_no_team_stores_two_balls_within_five_seconds():
+    hasty = Opponent(10.0, 3.0, 4.0, 0.0)
+    gaps = [np.diff([at for at, _ in plan(np.random.default_rng(k), hasty)]) for k in range(20)]
+    assert np.concatenate(gaps).min() == pytest.approx(5.0)
+    assert np.concatenate(gaps).max() > 6.0
 
 
 def test_a_stronger_team_comes_sooner_and_more_often():
