@@ -73,6 +73,8 @@ def rows(*edges) -> list[Transition]:
         ([("a", "c"), ("a", "b"), ("b", "b")], {}, "b: a dead end"),
         ([("a", "b"), ("b", "c")], {"b": (2.0, "z")}, "z: no state of this table"),
         ([("a", "b"), ("b", "c")], {"c": (2.0, "a")}, "c: an end, but a row leads on"),
+        ([("a", "b"), ("b", "c")], {"a": (0.0, "c")}, "a: its limit is no time above 0 s"),
+        ([("a", "b"), ("b", "c")], {"b": (float("nan"), "c")}, "b: its limit is no time"),
     ],
 )
 def test_a_table_that_cannot_be_right_is_refused_with_the_state_and_the_rule(
@@ -408,6 +410,9 @@ def test_another_team_and_four_silos_are_refused(order):
         choose([""] * 5, "green", 10.0)
     with pytest.raises(CourseError, match="fillings: expected 5, one for each silo"):
         choose([""] * 4, "red", 10.0)
+    with pytest.raises(CourseError, match="fillings: expected R and B, or empty, got 'RX'"):
+        choose(["", "RX", "", "", ""], "red", 10.0)
+    assert choose(["RR?", "???", "empty", "BBB", "RRR"], "red", 10.0) == 2, "full is full"
 
 
 @pytest.mark.parametrize("opponent", ["weak", "middling"])

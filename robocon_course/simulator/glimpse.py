@@ -1,8 +1,8 @@
 """What a detector would say of a scene, without a picture: true outlines, and its usual mistakes.
 
-For campaigns of hundreds of matches. Each thing in view is hidden by what stands nearer, found with
-a chance that falls with its size and with what is seen of it, framed a little wrong, and now and
-then taken for another.
+For campaigns of hundreds of matches. Each thing in view is found with a chance that falls with its
+size and with what is seen of it, framed a little wrong, and now and then taken for another. Balls
+hide one another; silos, which stand in a row, hide nothing and are hidden by nothing.
 """
 
 from __future__ import annotations
@@ -47,7 +47,11 @@ _CYLINDER = np.array([(np.cos(a), np.sin(a), z) for a in _ANGLES for z in (0.0, 
 AHEAD = 0.3
 """Nothing nearer before the lens is seen [m]."""
 LEAST_SEEN = 0.15
-"""Of a thing of which less is seen nothing is said."""
+"""Of a ball of which less is seen nothing is said."""
+LEAST_INSIDE = 0.6
+"""And of a silo of which less lies inside the picture."""
+STICKS_OUT = 0.135
+"""So far the third ball stands out of its silo [m]."""
 
 
 def balls_seen(
@@ -98,8 +102,8 @@ def silos_seen(
     ----------
     camera : Camera
     T_map_camera : ndarray, shape (4, 4)
-    fillings : sequence of str
-        Of silos 1 to 5, as `vision.SILOS` writes them.
+    fillings : sequence of 5 str
+        Of silos 1 to 5, as `vision.SILOS` writes them: ``"empty"`` for an empty one.
     rng : numpy.random.Generator
     mistakes : Mistakes
 
@@ -109,7 +113,7 @@ def silos_seen(
     """
     boxes, ids, shares = [], [], []
     for (x, y), filling in zip(field.SILOS, fillings, strict=True):
-        tall = field.SILO_HEIGHT + (0.135 if len(filling) == 3 else 0.0)
+        tall = field.SILO_HEIGHT + (STICKS_OUT if len(filling) == field.SILO_CAPACITY else 0.0)
         half = 0.5 * field.SILO_DIAMETER
         outline = _CYLINDER * (half, half, tall) + (x, y, field.SILO_ZONE.height)
         away = (outline - T_map_camera[:3, 3]) @ T_map_camera[:3, :3]
@@ -119,7 +123,7 @@ def silos_seen(
         box = np.r_[points.min(axis=0), points.max(axis=0)]
         cut = np.clip(box, 0, (camera.width, camera.height) * 2)
         share = np.prod(cut[2:] - cut[:2]) / np.prod(box[2:] - box[:2])
-        if share < 0.6:
+        if share < LEAST_INSIDE:
             continue
         boxes.append(cut)
         ids.append(SILOS.index(filling))
