@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import jsonschema
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from mcap.reader import make_reader
@@ -35,6 +35,7 @@ from robocon_course.robot import (
     messages,
 )
 from robocon_course.robot.text import from_text, to_text
+from robocon_course.vision.classes import BALLS
 from robocon_course.vision.reading import Detections
 
 PICTURE = np.random.default_rng(1).integers(0, 256, (24, 32, 3), np.uint8)
@@ -188,7 +189,7 @@ def frames(draw) -> Frame:
     found = Detections(
         draw(box),
         draw(hnp.arrays(np.float32, count, elements=SHARES)),
-        draw(hnp.arrays(np.int64, count)),
+        draw(hnp.arrays(np.int64, count, elements=st.integers(0, len(BALLS) - 1))),
     )
     kinds = draw(st.sampled_from([{}, {"ball": found}, {"silo": found}]))
     return Frame(draw(FLOATS), draw(FLOATS), draw(FLOATS), picture, kinds)
@@ -220,6 +221,7 @@ COMMANDS = st.builds(
 )
 
 
+@settings(deadline=None)
 @given(observations())
 def test_every_observation_survives_its_json_and_validates(observation):
     text = to_text(codec.encode_observation(observation))
@@ -227,6 +229,7 @@ def test_every_observation_survives_its_json_and_validates(observation):
     validator(schemas.OBSERVATION["title"]).validate(json.loads(text))
 
 
+@settings(deadline=None)
 @given(COMMANDS)
 def test_every_command_survives_its_json_and_validates(command):
     text = to_text(codec.encode_command(command))

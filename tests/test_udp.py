@@ -519,6 +519,20 @@ def test_a_command_for_pictures_of_nothing_known_moves_nothing(link):
     assert link.hand.told == [] and link.server.counts.malformed == 1
 
 
+def test_a_frame_that_found_what_no_network_tells_is_malformed(wire):
+    box = {"left": 1.0, "top": 2.0, "right": 9.0, "bottom": 9.0, "score": 0.9}
+    for sequence, (kind, number) in enumerate(
+        [("ball", 3), ("ball", -1), ("silo", 15), ("cat", 0), ("silo", 14)], 1
+    ):
+        found = [{"kind": kind, "boxes": [box | {"class_id": number}]}]
+        body = {"time": 1.0, "pan": 0.0, "tilt": 0.0, "found": found}
+        wire.send(pack(Datagram("frame", 1, sequence, body)))
+        wire.observe(sequence)
+        frame = wire.robot.read().frame
+        assert (frame is None) == ((kind, number) != ("silo", 14))
+    assert wire.robot.counts.malformed == 4
+
+
 @pytest.mark.parametrize("name", ["speeds", "angles", "pan", "tilt", "intake"])
 def test_a_command_with_a_hole_moves_nothing(link, name):
     given = {"speeds": [0.1] * 4, "angles": [0.0] * 4}
