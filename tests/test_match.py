@@ -16,13 +16,14 @@ import numpy as np
 import pytest
 
 from conftest import benchmark, solved_parts
+from robocon_course import field
 from robocon_course._arrays import CourseError
 from robocon_course.autopilot import Parts
-from robocon_course.mission import State
+from robocon_course.mission import State, order_b
 from robocon_course.robot import SIDE, Bus, Command, messages
 from robocon_course.robot.messages import Button, Twist
 from robocon_course.simulator import balls as rolling
-from robocon_course.simulator.balls import FREE, HELD, OUT
+from robocon_course.simulator.balls import FREE, HELD, OUT, Balls
 from robocon_course.simulator.match import (
     ARM,
     FRAMES,
@@ -35,6 +36,8 @@ from robocon_course.simulator.match import (
     Fault,
     Match,
 )
+from robocon_course.simulator.others import Others
+from robocon_course.simulator.referee import OPPONENTS, Referee, plan
 from robocon_course.worlds import MatchResult, Play, play_match, season
 from robocon_course.worlds.season import EVERY
 
@@ -171,6 +174,37 @@ def test_no_more_balls_are_sent_than_seedlings_were_planted(monkeypatch):
         match.step()
         assert match.referee.count("transfer") <= match.referee.count("seedling")
     assert match.referee.count("transfer") == 4
+
+
+def others(opponent: str | None = None) -> Others:
+    rng = {name: np.random.default_rng(k) for k, name in enumerate(("opponent", "feed"))}
+    return Others("red", opponent, rng)
+
+
+def test_what_robot_1_does_after_a_win_at_once_does_not_count():
+    referee, balls = Referee("R"), Balls(np.empty((0, 2)), [])
+    for silo in (0, 1, 2):
+        for _ in range(3):
+            referee.store(12.0, "own", silo)
+    points, count = dict(referee.points), len(referee.events)
+    others("strong").act(12.0, referee, balls)
+    assert referee.points == points and len(referee.events) == count and not len(balls.xy)
+
+
+def test_the_other_team_fills_silos_by_order_b_and_misses_some():
+    referee, balls, team = Referee("R"), Balls(np.empty((0, 2)), []), others("weak")
+    expected, y = Referee("R"), field.SILO_POST[1]
+    for at, falls_in in plan(np.random.default_rng(0), OPPONENTS["weak"]):
+        silo = order_b(expected.fillings, "blue", y)
+        y = field.SILOS[silo][1]
+        if falls_in:
+            expected.store(at, "theirs", silo)
+    for now in np.arange(0.0, 180.0, 0.01):
+        team.act(float(now), referee, balls)
+    assert referee.fillings == expected.fillings and not expected.winner
+    planned = len(plan(np.random.default_rng(0), OPPONENTS["weak"]))
+    missed = planned - referee.count("stored", "theirs")
+    assert 0 < missed == referee.count("lost ball", "theirs")
 
 
 def test_before_the_start_no_clock_runs_and_nothing_counts():

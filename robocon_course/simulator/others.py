@@ -56,6 +56,8 @@ class Others:
         balls : Balls
             Those that are sent come to lie among them.
         """
+        if referee.winner:  # the own robot has just won: nothing counts any more
+            return
         while self._plan and self._plan[0][0] <= now and not referee.winner:
             self._store(now, referee, self._plan.pop(0)[1])
         if self._planted < SEEDLINGS and now >= PLANTS * (self._planted + 1):
