@@ -39,6 +39,7 @@ from robocon_course.simulator.match import (
 from robocon_course.simulator.others import Others
 from robocon_course.simulator.referee import OPPONENTS, Referee, plan
 from robocon_course.worlds import MatchResult, Play, play_match, season
+from robocon_course.worlds.by_hand import ByHand
 from robocon_course.worlds.season import EVERY
 
 STAND = Command.stop()
@@ -585,6 +586,28 @@ def test_a_stick_that_is_nowhere_is_in_the_middle_and_is_heard_on(stick):
             play.tick()
         assert (abs(play.match.robot.motion[1][0]) > 0.1) == moves
     assert bus.failed == []
+
+
+def test_release_lets_go_for_a_while_with_rollers_that_stand():
+    hand, seen = ByHand(), Match(1, opponent=None).read()
+    hand.press(Button("manual", True))
+    hand.press(Button("intake", 1.0))
+    hand.press(Button("pan", 0.4))
+    before = hand.command(Parts(), seen)
+    assert hand.on and (before.intake, before.release, before.pan) == (1.0, False, 0.4)
+    hand.press(Button("release"))
+    told = [hand.command(Parts(), seen) for _ in range(100)]
+    assert {one.intake for one in told} == {0.0}
+    assert [one.release for one in told] == [True] * 70 + [False] * 30
+    hand.press(Button("manual", "on"))
+    assert hand.command(Parts(), seen).pan == 0.0, "whoever takes over begins anew"
+
+
+def test_the_stick_is_in_the_robots_own_axes():
+    hand, seen = ByHand(), Match(1, opponent=None).read()
+    hand.steer("/cmd_vel", Twist(0.3, 0.0, 0.0))
+    ahead = hand.command(Parts(), seen)
+    np.testing.assert_allclose(np.asarray(ahead.speeds) * np.cos(ahead.angles), 0.3, atol=1e-9)
 
 
 def test_before_a_match_its_colour_is_chosen_after_it_the_next_one_s(half_a_second):
