@@ -333,7 +333,11 @@ def test_one_at_a_time_and_after_a_second_of_silence_somebody_else(link):
         other.sendto(back, ("127.0.0.1", link.server.port))
         link.turn()
         assert link.server.counts.foreign == 1 and len(link.hand.told) == 1
-        link.turn(120)
+        link.turn(95)
+        other.sendto(back, ("127.0.0.1", link.server.port))
+        link.turn()
+        assert link.server.counts.foreign == 2, "not before the second is over"
+        link.turn(20)
         other.sendto(back, ("127.0.0.1", link.server.port))
         link.turn()
         assert link.hand.told[-1].speeds.tolist() == [-1.0] * 4
@@ -671,6 +675,9 @@ def test_datagrams_survive_and_others_are_refused():
     assert unpack(pack(datagram)) == datagram
     with pytest.raises(ValueError, match="do not fit into 60000"):
         pack(Datagram("frame", 1, 1, {"jpeg": "A" * LIMIT}))
+    long = to_text({"robocon": 1, **Datagram("hello", 1, 1, {"a": "A" * LIMIT})._asdict()})
+    with pytest.raises(ValueError, match="bytes are more than 60000"):
+        unpack(long)
     with pytest.raises(OtherVersion, match="speaks version 1, got 2"):
         unpack(to_text({"robocon": 2}))
 

@@ -140,9 +140,8 @@ class RobotServer(End):
                 self._obey(datagram)
 
     def _listens_to(self, sender: Address) -> bool:
-        now = monotonic()
         if sender != self._peer:
-            if self._peer is not None and now - self._heard <= FORGET:
+            if self._peer is not None:  # until a turn forgets it
                 self.counts.foreign += 1
                 return False
             self._peer = sender
@@ -151,7 +150,7 @@ class RobotServer(End):
             self._senders[sender] = known
             for oldest in list(self._senders)[:-KNOWN]:
                 del self._senders[oldest]
-        self._heard = now
+        self._heard = monotonic()
         return True
 
     def _obey(self, datagram: Datagram) -> None:
