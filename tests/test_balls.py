@@ -221,6 +221,13 @@ def test_rollers_that_turn_keep_the_ball_with_them_and_draw_it_to_their_middle()
     assert abs(balls.xy[0, 1] - 10.0) < 0.02 < abs(free.xy[0, 1] - 10.0)
 
 
+def test_rollers_of_a_robot_that_turns_take_the_ball_round_with_them():
+    reach = SIDE / 2 + RADIUS + 0.005
+    balls = one(2.0 + reach, 10.0)
+    assert roll(balls, (2.0, 10.0, 0.0), (0.1, -0.2, 0.5), pull=1.0) == 0
+    np.testing.assert_allclose(balls.velocity[0], (0.1, -0.2 + 0.5 * reach), atol=0.01)
+
+
 @pytest.mark.parametrize("place", [OUT, HELD])
 def test_a_ball_in_a_silo_or_in_the_gripper_is_nowhere_on_the_floor(place):
     balls = Balls(np.array([(2.0 + SIDE / 2 + RADIUS, 10.0), (2.5, 10.0)]), ["red"] * 2)
@@ -256,3 +263,10 @@ def test_a_ball_more_lies_beside_the_others_and_these_stay():
         ways.append(balls.xy[-1, 1])
         roll(balls, seconds=0.1)
     assert all(b > a for a, b in pairwise(ways))
+
+
+def test_the_floor_under_balls_is_the_fields():
+    x = np.array([0.1, 1.0, 2.24, 2.26, 2.75, 3.24, 3.26, 4.0, 5.7])
+    heights = rolling.floor_under(np.column_stack([x, np.full(len(x), 10.0)]))
+    np.testing.assert_allclose(heights, [field.floor_height(at, 10.0) for at in x], atol=1e-12)
+    assert heights[0] == pytest.approx(0.15) and heights[-1] == pytest.approx(0.25)

@@ -23,6 +23,7 @@ from robocon_course import field
 from robocon_course.robot import BATTERY, Bus, LidarReading, Observation, messages
 from robocon_course.view.dashboard import Dashboard, dashboard, field_map, markup, states
 from robocon_course.view.stick import LIMITS, pushed
+from robocon_course.worlds import Play
 
 WAYS = (
     ("wait", "drive", "start"),
@@ -578,7 +579,52 @@ def test_taking_over_and_handing_back_both_stand_still(match):
     match.controls.sliders[1].value = -1.0
     match.controls.manual.value = False
     assert match.heard("/cmd_vel")[-1] == messages.Twist(0.0, 0.0, 0.0)
-    assert match.buttons() == [("manual", "on"), ("manual", "off")]
+    aimed = [("pan", 0.0), ("tilt", 0.0)]
+    assert match.buttons() == [("manual", "on"), *aimed, ("manual", "off")]
+
+
+def test_who_takes_over_has_the_camera_that_is_shown_and_rollers_that_stand(match):
+    match.say("/observation", seen()).say("/command", SimpleNamespace(pan=0.5, tilt=0.3))
+    match.screen.draw()
+    match.controls.manual.value = True
+    match.controls.intake.label = "in"
+    match.controls.manual.value = False
+    assert match.controls.intake.label == "hold"
+    asked = match.buttons()
+    aimed = pytest.approx(0.5, abs=0.01), pytest.approx(0.3, abs=0.01)
+    assert asked[:3] == [("manual", "on"), ("pan", aimed[0]), ("tilt", aimed[1])]
+    assert asked[3:] == [("intake", 1.0), ("manual", "off"), ("intake", 0.0)]
+
+
+@pytest.mark.parametrize("name", ["stop", "set_up"])
+def test_who_is_stopped_or_set_up_anew_is_not_driven_by_hand_any_more(match, name):
+    match.by_hand().say("/operator", messages.Button(name, "red"))
+    assert "automatic" in match.text("status") and not match.controls.manual.value
+    assert match.heard("/cmd_vel")[-1] == messages.Twist(0.0, 0.0, 0.0)
+
+
+def test_the_stop_button_ends_driving_by_hand(match):
+    match.by_hand().controls.stop.click()
+    assert not match.controls.manual.value
+    assert match.buttons() == [("stop", ""), ("manual", "off")]
+
+
+def test_the_team_that_was_set_up_is_the_one_that_is_shown_and_a_choice_after_it_stays():
+    bus = Bus()
+    bus.publish("/operator", messages.Button("set_up", "blue 0.0 0.0 0.0 0.0 1 1"))
+    told = []
+    bus.subscribe("/operator", lambda topic, message: told.append(message.name))
+    screen = Dashboard(bus, clock=Clock())
+    screen.draw()
+    assert screen.controls.colour.value == "blue" and told == []
+    screen.controls.colour.value = "red"
+    screen.draw()
+    assert screen.controls.colour.value == "red" and told == ["colour"]
+    bus.publish("/operator", messages.Button("set_up", "blue 0.0 0.0 0.0 0.0 1 1"))
+    bus.publish("/operator", messages.Button("set_up", "green"))
+    screen.draw()
+    assert screen.controls.colour.value == "red", "the last one is no team"
+    assert "set_up blue<" in screen.panes["events"].value
 
 
 def test_stop_lets_the_stick_go(match):
@@ -667,6 +713,7 @@ def test_gripper_and_camera_are_told_in_the_robot_s_units(match):
     names = [
         ("intake", 1.0),
         ("intake", -1.0),
+        ("intake", 0.0),
         ("release", ""),
         ("pan", pytest.approx(np.pi / 2)),
         ("tilt", pytest.approx(-0.1745, abs=1e-3)),
@@ -679,6 +726,43 @@ def test_the_sliders_follow_a_camera_that_the_robot_aims(match):
     match.screen.draw()
     assert match.controls.pan.value == 29 and match.controls.tilt.value == match.controls.tilt.max
     assert match.buttons() == []
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_in_whatever_order_buttons_are_pressed_screen_and_match_agree(monkeypatch, seed):
+    """Start, stop, retry, colour and driving by hand: twice, before a start, after the end."""
+    monkeypatch.setattr("robocon_course.simulator.match.MATCH", 1.5)
+    rng, bus = np.random.default_rng(seed), Bus()
+    play = Play(seed=seed, opponent=None, bus=bus)
+    screen = Dashboard(bus, clock=lambda: play.match.robot.time)
+    controls, done = screen.controls, set()
+
+    def other(toggle, values):
+        toggle.value = values[toggle.value == values[0]]
+
+    presses = {
+        "start": controls.start.click, "stop": controls.stop.click, "retry": controls.retry.click,
+        "colour": lambda: other(controls.colour, ("red", "blue")),
+        "manual": lambda: other(controls.manual, (False, True)),
+        "release": controls.release.click, "intake": lambda: other(controls.intake, (0.0, 1.0)),
+    }  # fmt: skip
+    for name in rng.choice(list(presses), 60):
+        for _ in range(int(rng.integers(1, 40))):
+            if not play.match.over:
+                play.tick()
+        screen.draw()
+        if not getattr(controls, name).disabled:
+            presses[name]()
+            done.add((str(name), play.match.started is None, play.match.over))
+        screen.draw()
+        assert bus.failed == [] and screen.failures == {}
+        assert screen.inbox.running == (play.match.started is not None and not play.match.over
+                                        and not play.pilot.stopped), name  # fmt: skip
+        assert controls.manual.value == play._by_hand.on, name
+        assert controls.colour.value == play._team, name
+        if play.match.started is None:
+            assert play._team == play.match.team == play.pilot.team
+    assert len(done) > 6
 
 
 # --- opening and closing ----------------------------------------------------------------------
@@ -738,7 +822,7 @@ def test_in_a_notebook_a_task_draws_until_the_screen_is_closed(notebook):
             pytest.fail("nobody drew")
         screen.widget.close()  # as a page does whose output is thrown away
         await asyncio.wait_for(screen._task, 2.0)
-        assert screen.closed and bus._listeners["*"] == []
+        assert screen.closed and not bus._listeners["*"]
 
     asyncio.run(session())
     assert notebook[0]["text/plain"].startswith("Dashboard: status, map")

@@ -132,6 +132,23 @@ def test_a_silo_that_is_half_out_of_the_picture_is_not_told():
     assert [SILOS[k] for k in found.class_ids] == ["RB"]
 
 
+def test_a_silo_is_told_while_six_tenths_of_it_lie_inside_the_picture():
+    rng, widths = np.random.default_rng(0), []
+    for pan in np.arange(0.0, 0.8, 0.002):
+        view = view_from(np.array([3.0, 10.0, 0.0]), pan, 0.05)
+        found = silos_seen(CAMERA, view, ["empty"] * 2 + ["RB"] + ["empty"] * 2, rng, EXACT)
+        mine = found.boxes[found.class_ids == SILOS.index("RB")]
+        widths += (mine[:, 2] - mine[:, 0]).tolist()
+    assert 0.58 < widths[-1] / max(widths) < 0.64
+
+
+@pytest.mark.parametrize(("ahead", "seen"), [(0.25, 0), (0.35, 1), (-0.35, 0)])
+def test_what_is_too_near_before_the_lens_is_not_seen(ahead, seen):
+    rng = np.random.default_rng(0)
+    found = balls_seen(CAMERA, np.eye(4), np.array([(0.0, 0.0, ahead)]), ["red"], rng, EXACT)
+    assert len(found.scores) == seen
+
+
 def test_nothing_to_see_is_no_error():
     assert told([]).boxes.shape == (0, 4)
 

@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import jsonschema
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from mcap.reader import make_reader
@@ -35,6 +35,7 @@ from robocon_course.robot import (
     messages,
 )
 from robocon_course.robot.text import from_text, to_text
+from robocon_course.vision.classes import BALLS
 from robocon_course.vision.reading import Detections
 
 PICTURE = np.random.default_rng(1).integers(0, 256, (24, 32, 3), np.uint8)
@@ -188,7 +189,7 @@ def frames(draw) -> Frame:
     found = Detections(
         draw(box),
         draw(hnp.arrays(np.float32, count, elements=SHARES)),
-        draw(hnp.arrays(np.int64, count)),
+        draw(hnp.arrays(np.int64, count, elements=st.integers(0, len(BALLS) - 1))),
     )
     kinds = draw(st.sampled_from([{}, {"ball": found}, {"silo": found}]))
     return Frame(draw(FLOATS), draw(FLOATS), draw(FLOATS), picture, kinds)
@@ -220,6 +221,7 @@ COMMANDS = st.builds(
 )
 
 
+@settings(deadline=None)
 @given(observations())
 def test_every_observation_survives_its_json_and_validates(observation):
     text = to_text(codec.encode_observation(observation))
@@ -227,6 +229,7 @@ def test_every_observation_survives_its_json_and_validates(observation):
     validator(schemas.OBSERVATION["title"]).validate(json.loads(text))
 
 
+@settings(deadline=None)
 @given(COMMANDS)
 def test_every_command_survives_its_json_and_validates(command):
     text = to_text(codec.encode_command(command))
@@ -390,6 +393,17 @@ def test_poses_and_beams_are_thinned_to_20_a_second_and_pictures_to_10(tmp_path)
     assert list(found.topics) == sorted(found.topics)
 
 
+def test_what_has_no_time_is_on_the_clock_that_runs_now(tmp_path):
+    told = []
+    for at in (186.0, 185.92, 0.0, 0.01):  # a picture; then another match
+        told += [("/observation", seen(at)), ("/command", ASKED)]
+    written(tmp_path / "m.mcap", told)
+    with (tmp_path / "m.mcap").open("rb") as stream:
+        found = make_reader(stream).iter_messages(topics=["/command"], log_time_order=False)
+        times = [message.log_time / 1e9 for _, _, message in found]
+    assert times == [186.0, 186.0, 0.0, 0.01]
+
+
 def test_a_clock_that_begins_anew_does_not_silence_a_topic(tmp_path):
     times = (100.0, 100.01, 0.0, 0.01, 0.05)
     told = [("/odom", messages.PoseStamped(at, np.zeros(3))) for at in times]
@@ -496,6 +510,23 @@ def test_a_full_disk_ends_the_log_and_nothing_else(tmp_path, monkeypatch):
     assert [topic for topic, _ in bus.failed] == ["/rosout"] and bus.latest["/score"]
 
 
+def test_a_disk_that_was_full_for_a_while_leaves_the_part_and_no_file(tmp_path, monkeypatch):
+    log, full = MatchLog(tmp_path / "m.mcap"), OSError(errno.ENOSPC, "No space left on device")
+
+    def add(*_: object) -> None:
+        raise full
+
+    log.write("/rosout", TOLD["/rosout"])
+    with monkeypatch.context() as patch, pytest.raises(OSError, match="No space left"):
+        patch.setattr(log._writer, "add_message", add)
+        log.write("/rosout", TOLD["/rosout"])
+    assert log.kept == {"/rosout": 1}
+    with pytest.raises(LogError, match=r"m.mcap was not finished: No space left .* m.mcap.part"):
+        log.close()
+    log.close()
+    assert os.listdir(tmp_path) == ["m.mcap.part"]
+
+
 KILLED = """
 import sys
 from robocon_course.logs import MatchLog
@@ -567,6 +598,18 @@ def test_a_file_that_is_cut_off_gives_what_is_whole(tmp_path, long_log, share):
     assert len(back) > 900 * share - 450, "two chunks at most are lost"
     again = [message.time for _, message in log]
     assert again == back, "a log can be read again"
+
+
+def test_a_scan_whose_beams_are_cut_off_is_none(tmp_path, monkeypatch):
+    monkeypatch.setattr("robocon_course.logs.writer.CHUNK", 700)  # two beams and a bit
+    told = [("/scan", TOLD["/scan"]._replace(time=k / 10)) for k in range(12)]
+    written(tmp_path / "m.mcap", told)
+    data, whole = (tmp_path / "m.mcap").read_bytes(), TOLD["/scan"].ranges.tolist()
+    for end in range(100, len(data), 50):
+        (tmp_path / "cut.mcap").write_bytes(data[:end])
+        found = [message for _, message in read_log(tmp_path / "cut.mcap")]
+        assert [one.ranges.tolist() for one in found] == [whole] * len(found)
+    assert len(list(read_log(tmp_path / "m.mcap"))) == 12
 
 
 @given(st.integers(0, 10**6), st.integers(0, 7))

@@ -16,13 +16,14 @@ import numpy as np
 import pytest
 
 from conftest import benchmark, solved_parts
+from robocon_course import field
 from robocon_course._arrays import CourseError
 from robocon_course.autopilot import Parts
-from robocon_course.mission import State
+from robocon_course.mission import State, order_b
 from robocon_course.robot import SIDE, Bus, Command, messages
 from robocon_course.robot.messages import Button, Twist
 from robocon_course.simulator import balls as rolling
-from robocon_course.simulator.balls import FREE, HELD, OUT
+from robocon_course.simulator.balls import FREE, HELD, OUT, Balls
 from robocon_course.simulator.match import (
     ARM,
     FRAMES,
@@ -35,7 +36,10 @@ from robocon_course.simulator.match import (
     Fault,
     Match,
 )
+from robocon_course.simulator.others import Others
+from robocon_course.simulator.referee import OPPONENTS, Referee, plan
 from robocon_course.worlds import MatchResult, Play, play_match, season
+from robocon_course.worlds.by_hand import ByHand
 from robocon_course.worlds.season import EVERY
 
 STAND = Command.stop()
@@ -156,10 +160,52 @@ def test_a_match_that_nobody_plays_ends_after_three_minutes_without_a_winner():
     referee = match.referee
     assert (referee.winner, referee.reason, referee.ended) == ("nobody", "points", 180.0)
     assert match.clock == pytest.approx(180.0)
-    assert referee.count("seedling") == 12 and referee.count("transfer") == 24
+    assert referee.count("seedling") == referee.count("transfer") == 12
+    assert referee.points == {"own": 240, "theirs": 240}
     fed = match.balls.colours[16:]
-    assert fed == ["red", "purple"] * 12  # Robot 1 sends own and empty ones in turns
+    assert fed == ["red", "purple"] * 6  # Robot 1 sends own and empty ones in turns
     assert match.balls.xy[match.balls.free, 1].min() > 8.0
+
+
+def test_no_more_balls_are_sent_than_seedlings_were_planted(monkeypatch):
+    monkeypatch.setattr("robocon_course.simulator.others.FEED", (1.0, 1.0))
+    match = begun()
+    match.robot.place((0.6, 5.5, 0.0))
+    for _ in range(2200):
+        match.step()
+        assert match.referee.count("transfer") <= match.referee.count("seedling")
+    assert match.referee.count("transfer") == 4
+
+
+def others(opponent: str | None = None) -> Others:
+    rng = {name: np.random.default_rng(k) for k, name in enumerate(("opponent", "feed"))}
+    return Others("red", opponent, rng)
+
+
+def test_what_robot_1_does_after_a_win_at_once_does_not_count():
+    referee, balls = Referee("R"), Balls(np.empty((0, 2)), [])
+    for silo in (0, 1, 2):
+        for _ in range(3):
+            referee.store(12.0, "own", silo)
+    points, count = dict(referee.points), len(referee.events)
+    others("strong").act(12.0, referee, balls)
+    assert referee.points == points and len(referee.events) == count and not len(balls.xy)
+
+
+def test_the_other_team_fills_silos_by_order_b_and_misses_some():
+    referee, balls, team = Referee("R"), Balls(np.empty((0, 2)), []), others("weak")
+    expected, y = Referee("R"), field.SILO_POST[1]
+    for at, falls_in in plan(np.random.default_rng(0), OPPONENTS["weak"]):
+        silo = order_b(expected.fillings, "blue", y)
+        y = field.SILOS[silo][1]
+        if falls_in:
+            expected.store(at, "theirs", silo)
+    for now in np.arange(0.0, 180.0, 0.01):
+        team.act(float(now), referee, balls)
+    assert referee.fillings == expected.fillings and not expected.winner
+    planned = len(plan(np.random.default_rng(0), OPPONENTS["weak"]))
+    missed = planned - referee.count("stored", "theirs")
+    assert 0 < missed == referee.count("lost ball", "theirs")
 
 
 def test_before_the_start_no_clock_runs_and_nothing_counts():
@@ -181,11 +227,13 @@ def test_the_pile_holds_six_own_balls_and_ten_empty_ones_in_seeded_order(team):
         ({"team": "green"}, "team: expected one of red, blue, got 'green'"),
         ({"opponent": "mean"}, "opponent: expected one of None, weak, .*, got 'mean'"),
         ({"faults": [Fault("rain", 3.0)]}, "faults: expected one of dark, lidar, .*, got 'rain'"),
+        ({"seed": -1}, "seed: expected a whole number, 0 or more, got -1"),
+        ({"seed": 1.5}, "seed: expected a whole number, 0 or more, got 1.5"),
     ],
 )  # fmt: skip
-def test_another_team_opponent_or_fault_is_refused(settings, sentence):
+def test_another_team_opponent_fault_or_seed_is_refused(settings, sentence):
     with pytest.raises(CourseError, match=sentence):
-        Match(1, **settings)
+        Match(**{"seed": 1} | settings)
 
 
 # --- gripper -----------------------------------------------------------------------------------
@@ -279,6 +327,23 @@ def test_let_go_beside_a_silo_s_bore_the_ball_is_lost(aside):
     let_pass(match, 0.6, LETS_GO)
     assert match.referee.fillings == [""] * 5 and whats(match) == ["lost ball"]
     assert match.balls.place[-1] == OUT
+
+
+def test_let_go_over_a_full_silo_the_ball_is_lost_once():
+    match = holding(6.0 - ARM, 9.25)
+    match.referee.fillings[1] = "BBR"
+    let_pass(match, 0.6, LETS_GO)
+    assert [event[1:] for event in match.referee.events] == [
+        ("lost ball", "own", "silo 2 was full")
+    ]
+    assert match.balls.place[-1] == OUT and match.referee.fillings[1] == "BBR"
+
+
+def test_a_ball_that_goes_out_through_the_rollers_is_not_stored_as_well():
+    match = holding(6.0 - ARM, 9.25)
+    let_pass(match, 0.49, LETS_GO)
+    let_pass(match, 0.02, replace(LETS_GO, intake=-1.0))
+    assert match.referee.fillings == [""] * 5 and match.balls.place[-1] == FREE
 
 
 def test_let_go_over_the_floor_it_lies_there():
@@ -406,6 +471,21 @@ def test_kidnap_the_robot_stands_elsewhere_at_once():
     assert hypot(pose[0] - 4.3, pose[1] - 10.5) > 1.0 and whats(match) == ["fault"]
 
 
+def test_after_a_foul_no_fault_puts_the_robot_back_where_it_was():
+    def at_a_purple_ball(*faults) -> Match:
+        match = begun(faults=faults)
+        match.balls.place[:] = OUT
+        match.robot.place((4.3, 10.5, pi))
+        match.balls.add((4.3 - SIDE / 2 - rolling.RADIUS - 0.005, 10.5), (0.0, 0.0), "purple")
+        let_pass(match, 0.4, PULLS)
+        return match
+
+    foul = at_a_purple_ball().referee.events[0]
+    match = at_a_purple_ball(Fault("kidnap", foul.time))  # possible in the very same cycle
+    assert whats(match) == ["foul", "retry"]
+    assert np.abs(match.robot.motion[0] - match.home)[:2].max() < 0.01
+
+
 def test_frozen_every_read_is_the_same():
     match = begun(faults=[Fault("frozen", 0.1, 0.2)])
     let_pass(match, 0.05)
@@ -464,8 +544,149 @@ def test_the_operator_starts_stops_and_retries():
         play.tick()
     assert play.pilot.state is State.RESET and np.abs(play.match.robot.motion[1]).max() < 0.01
     bus.publish("/operator", Button("retry"))
+    told = []
+    bus.subscribe("/operator", lambda topic, button: told.append(button.name))
+    for _ in range(600):
+        play.tick()
+    assert play.match.retries == 1 and told == ["placed", "stop"]
+    assert play.pilot.state is State.RESET, "who was stopped waits for start, after a retry too"
+    bus.publish("/operator", Button("start"))
     play.tick()
-    assert play.match.retries == 1 and bus.latest["/operator"].name == "placed"
+    assert play.pilot.state is State.GO_TO_AREA_3
+
+
+BAD_BUTTONS = [
+    Button("colour", "green"), Button("colour", 1.0), Button("pan", "left"), Button("pan", np.nan),
+    Button("intake", ""), Button("tilt", None), Button("dance", "on"), "no button",
+]  # fmt: skip
+
+
+def test_buttons_that_cannot_be_are_told_and_the_others_work_on():
+    bus, lines = Bus(), []
+    play = Play(seed=1, bus=bus)
+    bus.subscribe("/rosout", lambda topic, message: lines.append((message.level, message.text)))
+    for button in BAD_BUTTONS:
+        bus.publish("/operator", button)
+    assert bus.failed == [] and play.match.team == "red"
+    assert {level for level, _ in lines} == {"warning"} and len(lines) == len(BAD_BUTTONS) - 1
+    assert "colour: expected one of red, blue, got 'green'" in lines[0][1]
+    assert "pan: expected a number, got 'left'" in lines[2][1]
+    bus.publish("/operator", Button("start"))
+    assert play.match.started is not None
+
+
+@pytest.mark.parametrize("stick", [Twist(np.nan, 0.0, 0.0), Twist("fast", 0, 0), None])
+def test_a_stick_that_is_nowhere_is_in_the_middle_and_is_heard_on(stick):
+    bus = Bus()
+    play = Play(seed=1, bus=bus)
+    bus.publish("/operator", Button("manual", "on"))
+    for told, moves in ((Twist(0.3, 0.0, 0.0), True), (stick, False), (Twist(0.3, 0, 0), True)):
+        bus.publish("/cmd_vel", told)
+        for _ in range(60):
+            play.tick()
+        assert (abs(play.match.robot.motion[1][0]) > 0.1) == moves
+    assert bus.failed == []
+
+
+def test_release_lets_go_for_a_while_with_rollers_that_stand():
+    hand, seen = ByHand(), Match(1, opponent=None).read()
+    hand.press(Button("manual", True))
+    hand.press(Button("intake", 1.0))
+    hand.press(Button("pan", 0.4))
+    before = hand.command(Parts(), seen)
+    assert hand.on and (before.intake, before.release, before.pan) == (1.0, False, 0.4)
+    hand.press(Button("release"))
+    told = [hand.command(Parts(), seen) for _ in range(100)]
+    assert {one.intake for one in told} == {0.0}
+    assert [one.release for one in told] == [True] * 70 + [False] * 30
+    hand.press(Button("manual", "on"))
+    assert hand.command(Parts(), seen).pan == 0.0, "whoever takes over begins anew"
+
+
+def test_the_stick_is_in_the_robots_own_axes():
+    hand, seen = ByHand(), Match(1, opponent=None).read()
+    hand.steer("/cmd_vel", Twist(0.3, 0.0, 0.0))
+    ahead = hand.command(Parts(), seen)
+    np.testing.assert_allclose(np.asarray(ahead.speeds) * np.cos(ahead.angles), 0.3, atol=1e-9)
+
+
+def test_before_a_match_its_colour_is_chosen_after_it_the_next_one_s(half_a_second):
+    bus = Bus()
+    play = Play(seed=1, opponent=None, bus=bus)
+    bus.publish("/operator", Button("colour", "blue"))
+    assert play.match.team == play.pilot.team == "blue" and play.match.started is None
+    bus.publish("/operator", Button("start"))
+    first = play.match
+    bus.publish("/operator", Button("colour", "red"))
+    assert play.match is first and first.team == "blue", "in a match it is the next one's, too"
+    bus.publish("/operator", Button("colour", "blue"))
+    for _ in range(60):
+        play.tick()
+    bus.publish("/operator", Button("colour", "red"))
+    assert play.match is first, "the score stays until the next start"
+    bus.publish("/operator", Button("start"))
+    assert play.match is not first and play.match.team == play.pilot.team == "red"
+    assert play.match.started is not None and play.seed == 2
+
+
+def test_after_the_end_and_after_a_stop_nobody_drives_by_hand_any_more(half_a_second):
+    bus = Bus()
+    play = Play(seed=1, opponent=None, bus=bus)
+    for last in (Button("stop"), Button("start")):
+        bus.publish("/operator", Button("start"))
+        bus.publish("/operator", Button("manual", "on"))
+        assert play._by_hand.on
+        while not play.match.over:
+            play.tick()
+        bus.publish("/operator", last)
+        assert not play._by_hand.on
+
+
+def test_another_strategy_is_refused():
+    with pytest.raises(CourseError, match="strategy: expected one of A, B, ahead, got 'C'"):
+        Play(strategy="C")
+
+
+@pytest.fixture
+def half_a_second(monkeypatch):
+    """Matches are over at once."""
+    monkeypatch.setattr("robocon_course.simulator.match.MATCH", 0.5)
+
+
+def test_how_a_match_ended_is_told_though_nobody_ticks_on(monkeypatch):
+    monkeypatch.setattr("robocon_course.simulator.match.MATCH", 5.0)
+    bus, lines = Bus(), []
+    bus.subscribe("/rosout", lambda topic, message: lines.append(message.text))
+    play = Play(seed=1, opponent=None, bus=bus)
+    play.start()
+    while not play.match.over:
+        play.tick()
+    score = bus.latest["/score"]
+    assert (score.winner, score.reason) == ("nobody", "points")
+    assert score.time == pytest.approx(play.match.robot.time)
+    assert "own: seedling" in lines, "it was planted in the last step"
+
+
+def test_after_the_end_the_match_clock_stands_and_never_runs_below_nothing(half_a_second):
+    bus = Bus()
+    play = Play(seed=1, opponent=None, bus=bus)
+    play.start()
+    for _ in range(100):
+        play.tick()
+    assert bus.latest["/score"].left == 180.0 - play.match.referee.ended
+
+
+def test_what_the_other_team_loses_is_no_warning_to_us():
+    bus, lines = Bus(), []
+    bus.subscribe("/rosout", lambda topic, message: lines.append((message.level, message.text)))
+    play = Play(seed=1, opponent=None, bus=bus)
+    play.match.referee.note(1.0, "lost ball", "theirs")
+    play.match.referee.note(1.0, "lost ball", "own", "let go over the floor")
+    play.tick()
+    assert lines[-2:] == [
+        ("info", "theirs: lost ball"),
+        ("warning", "own: lost ball let go over the floor"),
+    ]
 
 
 # --- what is told, and the drawn camera ---------------------------------------------------------

@@ -13,13 +13,16 @@ from hypothesis import strategies as st
 from conftest import benchmark
 from robocon_course import field, mission
 from robocon_course._arrays import CourseError
+from robocon_course.autopilot import Autopilot
 from robocon_course.autopilot.plays import PLAYS, fits
+from robocon_course.autopilot.sight import Track
 from robocon_course.mission import (
     ANY,
     LIMITS,
     MISSION,
     RESETS,
     Facts,
+    History,
     MissionError,
     Rhythm,
     SeenBall,
@@ -73,6 +76,8 @@ def rows(*edges) -> list[Transition]:
         ([("a", "c"), ("a", "b"), ("b", "b")], {}, "b: a dead end"),
         ([("a", "b"), ("b", "c")], {"b": (2.0, "z")}, "z: no state of this table"),
         ([("a", "b"), ("b", "c")], {"c": (2.0, "a")}, "c: an end, but a row leads on"),
+        ([("a", "b"), ("b", "c")], {"a": (0.0, "c")}, "a: its limit is no time above 0 s"),
+        ([("a", "b"), ("b", "c")], {"b": (float("nan"), "c")}, "b: its limit is no time"),
     ],
 )
 def test_a_table_that_cannot_be_right_is_refused_with_the_state_and_the_rule(
@@ -296,6 +301,28 @@ def test_a_small_diagram_by_hand():
     )
 
 
+def test_an_own_ball_is_taken_only_after_a_look():
+    table, at = mission.mission_table(), History(State.DETECT_BALL, 0.0)
+    seen = Facts(started=True, in_area_3=True, ball=True)
+    hasty = table.step(at, seen._replace(waited=0.9 * mission.robot.LOOK), 1.0)
+    assert hasty is at
+    calm = table.step(at, seen._replace(waited=1.1 * mission.robot.LOOK), 1.0)
+    assert calm.state is State.TAKE_BALL
+
+
+@pytest.mark.parametrize("state", list(State))
+def test_what_a_state_forgets_is_what_it_finds_anew(state):
+    """Balls where others may have moved them, a silo where another is sought, the pose at walls."""
+    pilot = Autopilot()
+    pilot.sight.tracks = [Track(1.0, 9.0, 0.01, (0.0, 0.0, 1.0), 3, 0)]
+    pilot.notes = {"silo": 2}
+    pilot._enter(state)
+    assert (not pilot.sight.tracks) == (state in ("reset", "reverse", "back_to_storage"))
+    assert ("silo" not in pilot.notes) == (state in ("reset", "search_silo", "silo_full"))
+    again = ("lidar_reset", "reset_odometry_from_lidar")
+    assert (pilot.walls.sigma.max() > 0.04) == (state in again)
+
+
 def test_every_row_says_why():
     assert all(row.label and row.label == row.label.strip() for row in MISSION)
 
@@ -408,6 +435,9 @@ def test_another_team_and_four_silos_are_refused(order):
         choose([""] * 5, "green", 10.0)
     with pytest.raises(CourseError, match="fillings: expected 5, one for each silo"):
         choose([""] * 4, "red", 10.0)
+    with pytest.raises(CourseError, match="fillings: expected R and B, or empty, got 'RX'"):
+        choose(["", "RX", "", "", ""], "red", 10.0)
+    assert choose(["RR?", "???", "empty", "BBB", "RRR"], "red", 10.0) == 2, "full is full"
 
 
 @pytest.mark.parametrize("opponent", ["weak", "middling"])

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robocon_course import mission
+from robocon_course._arrays import CourseError
 from robocon_course.simulator.referee import (
     MATCH,
     MUA_VANG,
@@ -18,6 +19,7 @@ from robocon_course.simulator.referee import (
     STORED,
     TRANSFER,
     Event,
+    Opponent,
     Referee,
     plan,
 )
@@ -100,6 +102,18 @@ def test_whoever_first_has_three_silos_wins_then_and_nothing_changes_it(moves):
     assert sum(referee.points.values()) == STORED * balls
 
 
+def test_after_mua_vang_nothing_changes_who_won():
+    referee = Referee("B")
+    for time, silo in enumerate([0] * 3 + [1] * 3 + [2] * 3):
+        assert referee.winner == ""
+        referee.store(float(time), "own", silo)
+    for silo in (3, 3, 3, 4, 4, 4):
+        referee.store(9.0, "theirs", silo)
+    referee.points["theirs"] += 1000
+    referee.time_is_up(MATCH)
+    assert (referee.winner, referee.reason, referee.ended) == ("own", MUA_VANG, 8.0)
+
+
 @pytest.mark.parametrize(
     ("own", "theirs", "winner"), [(2, 1, "own"), (1, 2, "theirs"), (1, 1, "nobody")]
 )
@@ -111,6 +125,52 @@ def test_when_time_is_up_points_decide(own, theirs, winner):
         referee.store(2.0, "theirs", k)
     referee.time_is_up(MATCH)
     assert (referee.winner, referee.reason, referee.ended) == (winner, "points", MATCH)
+
+
+@pytest.mark.parametrize(
+    ("own", "theirs", "winner"),
+    [
+        ({"stored": 1}, {"transfer": 3}, "own"),
+        ({"transfer": 3}, {"stored": 1}, "theirs"),
+        ({"seedling": 2}, {"transfer": 2}, "theirs"),
+        ({"transfer": 1, "seedling": 1}, {"seedling": 2}, "own"),
+        ({"stored": 1, "seedling": 1}, {"stored": 1, "seedling": 1}, "nobody"),
+    ],
+)
+def test_of_equal_points_silos_count_first_then_balls_that_were_sent(own, theirs, winner):
+    referee = Referee("R")
+    for team, deeds in (("own", own), ("theirs", theirs)):
+        for what, count in deeds.items():
+            for _ in range(count):
+                done = referee.store(1.0, team, 0) if what == "stored" else None
+                assert done is not False
+                if what != "stored":
+                    referee.give(1.0, team, what)
+    assert referee.points["own"] == referee.points["theirs"] > 0
+    referee.time_is_up(MATCH)
+    assert (referee.winner, referee.reason) == (winner, "points")
+
+
+@pytest.mark.parametrize(
+    ("deed", "sentence"),
+    [
+        (lambda: Referee("G"), "letter: expected one of R, B, got 'G'"),
+        (lambda: Referee("R").store(1.0, "red", 0), "team: expected one of own, theirs, got 'red'"),
+        (lambda: Referee("R").store(1.0, "own", -1), "silo: expected one of 0, 1, 2, 3, 4, got -1"),
+        (lambda: Referee("R").give(1.0, "own", "stored"), "what: expected one of transfer, see"),
+        (lambda: Referee("R").give(1.0, "we", "transfer"), "team: expected one of own, theirs"),
+    ],
+)
+def test_what_no_rule_knows_is_refused(deed, sentence):
+    with pytest.raises(CourseError, match=sentence):
+        deed()
+
+
+def test_what_is_refused_changes_nothing():
+    referee = Referee("R")
+    with pytest.raises(CourseError):
+        referee.store(1.0, "we", 0)
+    assert referee == Referee("R")
 
 
 def test_two_referees_share_nothing():
@@ -146,6 +206,13 @@ def test_they_come_in_order_at_their_own_pace_within_the_match_and_have_twelve_b
     assert -1.0 < gaps.mean() - team.every < 4 * team.spread / np.sqrt(len(gaps))
     falls_in = np.mean([good for one in plans for _, good in one])
     assert abs(1 - falls_in - team.failing) < 4 * np.sqrt(team.failing / len(gaps))
+
+
+def test_no_team_stores_two_balls_within_five_seconds():
+    hasty = Opponent(10.0, 3.0, 4.0, 0.0)
+    gaps = [np.diff([at for at, _ in plan(np.random.default_rng(k), hasty)]) for k in range(20)]
+    assert np.concatenate(gaps).min() == pytest.approx(5.0)
+    assert np.concatenate(gaps).max() > 6.0
 
 
 def test_a_stronger_team_comes_sooner_and_more_often():

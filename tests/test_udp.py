@@ -15,7 +15,17 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from conftest import ROOT
-from robocon_course.robot import Command, Frame, Observation, Robot, codec, udp, udp_end, udp_server
+from robocon_course.robot import (
+    Command,
+    Frame,
+    LidarReading,
+    Observation,
+    Robot,
+    codec,
+    udp,
+    udp_end,
+    udp_server,
+)
 from robocon_course.robot.link import (
     LIMIT,
     VERSION,
@@ -256,6 +266,48 @@ def test_greetings_and_old_commands_do_not_keep_a_robot_driving(link):
     assert not link.server.driving and link.server.counts.doubled == 20
 
 
+def test_an_old_command_drives_nothing_after_a_pause_either(link):
+    link.robot.apply(AHEAD)
+    link.turn(120)  # nobody spoke for more than a second: the robot listens to whoever comes
+    assert not link.server.driving
+    told = len(link.hand.told)
+    old = pack(Datagram("command", link.robot._session, 0, codec.encode_command(AHEAD)))
+    for _ in range(3):
+        link.robot._socket.sendto(old, ("127.0.0.1", link.server.port))
+        link.turn()
+    assert len(link.hand.told) == told and not link.server.driving
+    link.robot.apply(AHEAD)
+    link.turn()
+    assert link.server.driving, "a new one does"
+
+
+def test_who_was_relieved_may_come_back_but_not_with_old_words(link):
+    first, other = link.robot, socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    back = codec.encode_command(Command([-1.0] * 4, [0.0] * 4))
+    first.apply(AHEAD)
+    link.turn(120)
+    with other:
+        other.sendto(pack(Datagram("command", 5, 0, back)), ("127.0.0.1", link.server.port))
+        link.turn(120)
+    told = len(link.hand.told)
+    old = pack(Datagram("command", first._session, 0, codec.encode_command(AHEAD)))
+    first._socket.sendto(old, ("127.0.0.1", link.server.port))
+    link.turn()
+    assert len(link.hand.told) == told
+    first.apply(AHEAD)
+    link.turn()
+    assert link.hand.told[-1].speeds.tolist() == [0.5] * 4
+
+
+def test_of_many_senders_the_last_are_remembered(link):
+    data = pack(Datagram("command", 1, 0, codec.encode_command(AHEAD)))
+    for _ in range(udp_server.KNOWN + 3):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+            other.sendto(data, ("127.0.0.1", link.server.port))
+            link.turn(120)
+    assert len(link.server._senders) == udp_server.KNOWN
+
+
 def test_a_stop_needs_no_good_reading_of_the_modules(link):
     link.robot.apply(AHEAD)
     link.turn()
@@ -281,7 +333,11 @@ def test_one_at_a_time_and_after_a_second_of_silence_somebody_else(link):
         other.sendto(back, ("127.0.0.1", link.server.port))
         link.turn()
         assert link.server.counts.foreign == 1 and len(link.hand.told) == 1
-        link.turn(120)
+        link.turn(95)
+        other.sendto(back, ("127.0.0.1", link.server.port))
+        link.turn()
+        assert link.server.counts.foreign == 2, "not before the second is over"
+        link.turn(20)
         other.sendto(back, ("127.0.0.1", link.server.port))
         link.turn()
         assert link.hand.told[-1].speeds.tolist() == [-1.0] * 4
@@ -290,9 +346,11 @@ def test_one_at_a_time_and_after_a_second_of_silence_somebody_else(link):
 def test_a_driver_that_gives_no_observation_can_still_be_stopped(link, monkeypatch):
     link.robot.apply(AHEAD)
     link.turn()
-    monkeypatch.setattr(link.hand, "read", lambda: seen(1.0)._replace(gyro=np.zeros((7, 3))))
-    link.turn(30)
-    assert link.server.counts.unsent == 30 and not link.server.driving
+    dim = (LidarReading(1.0, 2.0, 199.5, 25.0),)
+    for count, bad in enumerate(({"gyro": np.zeros((7, 3))}, {"lidar": dim}), 1):
+        monkeypatch.setattr(link.hand, "read", lambda bad=bad: seen(1.0)._replace(**bad))
+        link.turn(30)
+        assert link.server.counts.unsent == 30 * count and not link.server.driving
 
 
 # --- what networks do -----------------------------------------------------------------------------
@@ -370,6 +428,17 @@ def test_a_robot_that_began_anew_is_followed_and_its_old_words_are_not(wire):
     assert wire.robot.read().time == 0.0 and wire.robot.counts.late == 1
 
 
+def test_late_ones_do_not_make_a_newer_one_forgotten():
+    counts = LinkCounts()
+    arrivals = Arrivals(counts)
+    arrivals.take(3, 0)
+    for sequence in (*range(1000, 1010), *range(1, 700)):  # much too late
+        arrivals.take(3, sequence)
+    before = counts.lost
+    assert not arrivals.take(3, 1005)
+    assert (counts.doubled, counts.lost) == (1, before)
+
+
 @given(st.lists(st.integers(0, 40), min_size=1, max_size=60))
 def test_counts_are_those_of_a_plain_count(sequences):
     counts = LinkCounts()
@@ -440,6 +509,32 @@ def test_an_observation_without_a_time_is_malformed_and_other_holes_are_nan(wire
     found = wire.robot.read()
     assert found.time == 0.02 and np.isnan(found.battery) and np.isnan(found.gyro).all()
     assert wire.robot.counts.malformed == 1
+
+
+def test_a_command_for_pictures_of_nothing_known_moves_nothing(link):
+    command = Command([0.1] * 4, [0.0] * 4, watch="cat")
+    with pytest.raises(
+        ValueError, match=r"command\.watch: expected one of '', 'ball', 'silo', got"
+    ):
+        link.robot.apply(command)
+    data = pack(Datagram("command", 9, 0, codec.encode_command(command)))
+    link.robot._socket.sendto(data, ("127.0.0.1", link.server.port))
+    link.turn()
+    assert link.hand.told == [] and link.server.counts.malformed == 1
+
+
+def test_a_frame_that_found_what_no_network_tells_is_malformed(wire):
+    box = {"left": 1.0, "top": 2.0, "right": 9.0, "bottom": 9.0, "score": 0.9}
+    for sequence, (kind, number) in enumerate(
+        [("ball", 3), ("ball", -1), ("silo", 15), ("cat", 0), ("silo", 14)], 1
+    ):
+        found = [{"kind": kind, "boxes": [box | {"class_id": number}]}]
+        body = {"time": 1.0, "pan": 0.0, "tilt": 0.0, "found": found}
+        wire.send(pack(Datagram("frame", 1, sequence, body)))
+        wire.observe(sequence)
+        frame = wire.robot.read().frame
+        assert (frame is None) == ((kind, number) != ("silo", 14))
+    assert wire.robot.counts.malformed == 4
 
 
 @pytest.mark.parametrize("name", ["speeds", "angles", "pan", "tilt", "intake"])
@@ -548,6 +643,23 @@ def test_an_address_that_is_none_is_refused(host, port):
         UdpRobot(host, port, wait=0.0)
 
 
+@pytest.mark.parametrize("wait", [float("nan"), -1.0, "soon", None])
+def test_a_wait_that_is_none_is_refused(wait):
+    with pytest.raises(LinkError, match="wait: expected seconds, 0 or more, got "):
+        UdpRobot("127.0.0.1", 5005, wait=wait)
+
+
+@pytest.mark.parametrize("host", ["no such host", "a" * 70, "\ud800", 7])
+def test_a_host_to_listen_at_that_is_none_is_refused(host):
+    with pytest.raises(LinkError, match="host, port: cannot listen at"):
+        RobotServer(Hand(), host=host)
+
+
+def test_what_is_no_robot_is_not_served():
+    with pytest.raises(LinkError, match=r"robot: expected read\(\) and apply\(command\), got 42"):
+        RobotServer(42)
+
+
 def test_a_port_that_is_taken_is_refused():
     with RobotServer(Hand()) as first, pytest.raises(LinkError, match="cannot listen at"):
         RobotServer(Hand(), first.port)
@@ -563,6 +675,9 @@ def test_datagrams_survive_and_others_are_refused():
     assert unpack(pack(datagram)) == datagram
     with pytest.raises(ValueError, match="do not fit into 60000"):
         pack(Datagram("frame", 1, 1, {"jpeg": "A" * LIMIT}))
+    long = to_text({"robocon": 1, **Datagram("hello", 1, 1, {"a": "A" * LIMIT})._asdict()})
+    with pytest.raises(ValueError, match="bytes are more than 60000"):
+        unpack(long)
     with pytest.raises(OtherVersion, match="speaks version 1, got 2"):
         unpack(to_text({"robocon": 2}))
 

@@ -23,11 +23,14 @@ class Kind(NamedTuple):
         The objects of a message's pieces to the message.
     rate : float  [Hz]
         More often than this it is not kept; 0: each one is.
+    several : bool
+        Whether it takes several pieces: the last one of a file that is cut off may lack some.
     """
 
     write: Callable[[str, Any], list[Piece]]
     read: Callable[[Sequence[Tree]], Any]
     rate: float = 0.0
+    several: bool = False
 
 
 def _whole(schema: Form, encode: Callable[[Any], Tree], decode: Callable[[Tree], Any]) -> Kind:
@@ -94,7 +97,7 @@ KINDS: dict[type, Kind] = {
     Command: _whole(schemas.COMMAND, codec.encode_command, codec.decode_command),
     messages.PoseStamped: Kind(drawn.write_pose, drawn.read_pose, 20.0),
     messages.Path: Kind(drawn.write_path, drawn.read_path),
-    messages.LaserScan: Kind(drawn.write_scan, drawn.read_scan, 20.0),
+    messages.LaserScan: Kind(drawn.write_scan, drawn.read_scan, 20.0, several=True),
     messages.Image: Kind(drawn.write_image, drawn.read_image, 10.0),
     messages.Detection2DArray: Kind(drawn.write_detections, drawn.read_detections),
     messages.Log: Kind(drawn.write_log, drawn.read_log_line),

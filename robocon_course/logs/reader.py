@@ -15,6 +15,9 @@ from robocon_course.logs.kinds import KINDS, NAMES
 from robocon_course.logs.writer import PROFILE, LogError
 from robocon_course.robot.text import Tree, from_text
 
+SEVERAL = {kind.__name__ for kind, how in KINDS.items() if how.several}
+"""Types, by name, of which a message takes several pieces."""
+
 
 class LogFile:
     """The messages of a log in the order in which they were told; made by `read_log`.
@@ -94,7 +97,7 @@ class LogFile:
                 group = []
             before = told
             group.append(record.data)
-        if group:
+        if group and not (self.trouble and before[1] in SEVERAL):
             yield from self._message(before, group)
         if self.trouble:
             self.trouble += f"; {self.count} messages could be read"

@@ -36,6 +36,8 @@ class Replay:
         Commands since the beginning, and those among them that are not the log's.
     first_different : float or None  [s]
         When the first of them was told.
+    trouble : str
+        As `LogFile.trouble`: of a log that was cut off.
 
     Raises
     ------
@@ -44,7 +46,8 @@ class Replay:
     """
 
     def __init__(self, path: str | PathLike[str]) -> None:
-        self._told = iter(read_log(path))
+        self._log = read_log(path)
+        self._told = iter(self._log)
         self._next: Observation | None = None
         self._latest: Observation | None = None
         self.expected: Command | None = None
@@ -55,6 +58,11 @@ class Replay:
         self._advance()
         if self._next is None:
             raise LogError(f"{path} holds no observations to replay")
+
+    @property
+    def trouble(self) -> str:
+        """Empty; at the end a sentence if the log is cut off or damaged."""
+        return self._log.trouble
 
     @property
     def ended(self) -> bool:

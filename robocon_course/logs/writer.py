@@ -22,6 +22,8 @@ PROFILE = "robocon-1"
 """The mark of a match log in the file's head, with the number of its form."""
 CHUNK = 256 * 1024
 """So much is collected, then compressed and written [bytes]: two to three seconds of a match."""
+NEW_CLOCK = 1_000_000_000
+"""A time that lies farther back is on a clock that began anew [ns]."""
 
 
 class LogError(CourseError):
@@ -76,6 +78,7 @@ class MatchLog:
         self._channels: dict[tuple[str, str], int] = {}
         self._last: dict[str, int] = {}
         self._clock = 0
+        self._broken: OSError | None = None
         self._lock = Lock()  # the operator's screen tells from a thread of its own
         self._open()
 
@@ -143,20 +146,25 @@ class MatchLog:
                 self.thinned[topic] += 1
                 return
             data = [(piece, to_text(piece.tree)) for piece in kind.write(topic, message)]
-            for piece, text in data:
-                channel = self._channel(piece, topic, type(message).__name__)
-                self._writer.add_message(channel, now, text, now, self.kept[topic])
+            try:
+                for piece, text in data:
+                    channel = self._channel(piece, topic, type(message).__name__)
+                    self._writer.add_message(channel, now, text, now, self.kept[topic])
+                self._file.flush()
+            except OSError as error:  # a piece may be missing from now on
+                self._broken = error
+                raise
             self._last[topic] = now
             self.kept[topic] += 1
-            self._file.flush()
 
     def _now(self, message: Any) -> int:
-        """A message's own time [ns]; of one without, the latest that was heard of."""
+        """A message's own time [ns]; of one without, the latest on the clock that runs now."""
         try:
             now = nanoseconds(message.time)
         except (AttributeError, ValueError):
             return self._clock
-        self._clock = max(self._clock, now)
+        # A picture is a little older than what was told before it; a new match begins at 0.
+        self._clock = now if now < self._clock - NEW_CLOCK else max(self._clock, now)
         return now
 
     def _channel(self, piece: Piece, topic: str, name: str) -> int:
@@ -179,7 +187,7 @@ class MatchLog:
         Raises
         ------
         LogError
-            The disk is full, or the name cannot be given; the part stays.
+            The disk is or was full, or the name cannot be given; the part stays.
         """
         for stop in self._subscriptions:
             stop()
@@ -189,6 +197,8 @@ class MatchLog:
                 return
             try:
                 with self._file:
+                    if self._broken is not None:
+                        raise self._broken
                     self._writer.finish()
                     self._file.flush()
                     os.fsync(self._file.fileno())

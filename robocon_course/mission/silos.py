@@ -101,6 +101,11 @@ def order_a(
     -------
     int or None
         Index of the silo; None if all are full.
+
+    Raises
+    ------
+    CourseError
+        Another team, or fillings that are none; as all orders do.
     """
     return _best(fillings, lambda k: (_rank(fillings[k], team), -abs(SILOS[k][1] - y)))
 
@@ -264,6 +269,9 @@ def _best(fillings: Sequence[str], worth: Callable) -> int | None:
     if len(fillings) != len(SILOS):
         raise CourseError(f"fillings: expected {len(SILOS)}, one for each silo, got {fillings!r}")
     places = [k for k in range(len(fillings)) if not is_full(fillings[k])]
+    for k in places:
+        if set(_balls(fillings[k])) - set(LETTERS.values()):
+            raise CourseError(f"fillings: expected R and B, or empty, got {fillings[k]!r:.40}")
     return max(places, key=worth) if places else None
 
 

@@ -10,6 +10,7 @@ two of which nothing leads on: a table can be searched for that, a chain of case
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from math import inf
 from typing import Any, NamedTuple
 
 from robocon_course._arrays import CourseError
@@ -171,8 +172,8 @@ class Table:
     Raises
     ------
     MissionError
-        A row from or to no state, a state that nothing leads to or that leads to no end, two rows
-        of which the second can never be taken, an end that is left.
+        A row from or to no state, a state that nothing leads to or that leads to no end, an end
+        that is left, a limit that no time reaches or passes at once.
     """
 
     def __init__(
@@ -206,7 +207,9 @@ class Table:
         known = set(self.states)
         edges = [(row.source, row.target) for row in self.rows]
         strangers = {state for edge in edges for state in edge} | {self.start, *self.ends}
+        never = {state for state, (seconds, _) in self.limits.items() if not 0.0 < seconds < inf}
         rules = (
+            (never, "its limit is no time above 0 s"),
             (strangers - known, "no state of this table"),
             ({row.source for row in self.rows} & set(self.ends), "an end, but a row leads on"),
             (known - reachable(edges, self.start), f"never reached from {_name(self.start)}"),

@@ -11,6 +11,9 @@ Listener = Callable[[str, Any], object]
 class Bus:
     """Passes messages on, by topic, in the order in which they are told.
 
+    What a listener itself tells, while it is told something, is passed on at once: those who were
+    not asked yet hear it before what caused it.
+
     A listener that raises is not asked again, and nobody else notices: a screen never stops a
     robot. What it raised is kept in `failed`.
 
@@ -35,7 +38,7 @@ class Bus:
     def __init__(self) -> None:
         self.latest: dict[str, Any] = {}
         self.failed: list[tuple[str, Exception]] = []
-        self._listeners: dict[str, list[Listener]] = {}
+        self._listeners: dict[str, dict[object, Listener]] = {}
 
     def subscribe(self, topic: str, listener: Listener) -> Callable[[], None]:
         """Be told everything on a topic.
@@ -50,14 +53,20 @@ class Bus:
         Returns
         -------
         callable
-            Ends the subscription.
+            Ends this subscription; again, nothing more happens.
+
+        Raises
+        ------
+        ValueError
+            A listener that cannot be called.
         """
-        listeners = self._listeners.setdefault(topic, [])
-        listeners.append(listener)
+        if not callable(listener):
+            raise ValueError(f"listener: expected a function, got {type(listener).__name__}")
+        listeners, key = self._listeners.setdefault(topic, {}), object()
+        listeners[key] = listener
 
         def stop() -> None:
-            if listener in listeners:
-                listeners.remove(listener)
+            listeners.pop(key, None)
 
         return stop
 
@@ -71,9 +80,9 @@ class Bus:
         """
         self.latest[topic] = message
         for heard in (topic, "*"):
-            for listener in list(self._listeners.get(heard, ())):
+            for key, listener in list(self._listeners.get(heard, {}).items()):
                 try:
                     listener(topic, message)
                 except Exception as error:  # whatever a screen does, the robot drives on
                     self.failed.append((topic, error))
-                    self._listeners[heard].remove(listener)
+                    self._listeners[heard].pop(key, None)  # it may have stopped by itself

@@ -72,7 +72,8 @@ def decode_frame(tree: Tree) -> Frame:
     Raises
     ------
     ValueError
-        A field that is missing or of another type, bytes that are no picture.
+        A field that is missing or of another type, bytes that are no picture, a network or a class
+        that is not known.
     """
     data = [field(tree, name, str) for name in ("png", "jpeg") if name in tree]
     return Frame(
@@ -81,18 +82,21 @@ def decode_frame(tree: Tree) -> Frame:
         number(tree, "tilt"),
         decode_picture(data[0]) if data else None,
         {
-            field(one, "kind", str): _detections(things(one, "boxes"))
+            field(one, "kind", str): _detections(things(one, "boxes"), field(one, "kind", str))
             for one in things(tree, "found")
         },
     )
 
 
-def _detections(items: list[Tree]) -> Any:
+def _detections(items: list[Tree], kind: str) -> Any:
+    from robocon_course.vision.classes import classes_of
     from robocon_course.vision.reading import Detections
 
     with np.errstate(over="ignore"):
         boxes = rows(items, "left", "top", "right", "bottom", "score").astype(np.float32)
-    ids = wholes([item.get("class_id") for item in items], "class_id")
+    ids, known = wholes([item.get("class_id") for item in items], "class_id"), classes_of(kind)
+    if not ((ids >= 0) & (ids < len(known))).all():
+        raise ValueError(f"class_id: expected 0 to {len(known) - 1} of a {kind}, got {ids}")
     return Detections(boxes[:, :4].copy(), boxes[:, 4].copy(), ids)
 
 

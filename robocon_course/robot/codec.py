@@ -71,9 +71,16 @@ def _lidar(readings: Sequence[LidarReading]) -> list[Tree]:
     numbers = [(reading.time, reading.distance, reading.temperature) for reading in readings]
     values = _floats(numbers or np.empty((0, 3)), "lidar", None, 3)
     return [
-        {"time": t, "distance": d, "strength": index(reading.strength), "temperature": c}
+        {"time": t, "distance": d, "strength": _whole(reading.strength), "temperature": c}
         for (t, d, c), reading in zip(values, readings, strict=True)
     ]
+
+
+def _whole(strength: Any) -> int:
+    try:
+        return index(strength)
+    except TypeError:
+        raise ValueError(f"strength: expected a whole number, got {strength!r:.40}") from None
 
 
 def decode_observation(tree: Tree) -> Observation:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import pi
+from math import isfinite, pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
@@ -35,6 +35,9 @@ MAX_SPEED = 3.2
 """What a drive wheel reaches on a full battery [m/s]."""
 BATTERY = 24.0
 """Full battery at rest [V]."""
+
+WATCHES = ("", "ball", "silo")
+"""What pictures may be asked for: of nothing, or for one of the networks."""
 
 _H = 0.235
 MODULES: FloatArray = np.array([(_H, _H), (-_H, _H), (-_H, -_H), (_H, -_H)])
@@ -208,11 +211,22 @@ class Command:
     def checked(self) -> tuple[FloatArray, FloatArray]:
         """Speeds and angles as float arrays of four: for whoever carries the command out.
 
+        Returns
+        -------
+        speeds, angles : ndarray, shape (4,)  [m/s; rad, base]
+
         Raises
         ------
         ValueError
-            Not four numbers each, or one that is not finite.
+            Not four numbers each, a number that is not finite, pictures for what is no network.
         """
+        for name in ("intake", "pan", "tilt"):
+            number = getattr(self, name)
+            if not isinstance(number, int | float | np.number) or not isfinite(number):
+                raise ValueError(f"command.{name}: expected a finite number, got {number!r:.40}")
+        if self.watch not in WATCHES:
+            known = ", ".join(map(repr, WATCHES))
+            raise ValueError(f"command.watch: expected one of {known}, got {self.watch!r:.40}")
         speeds = as_floats(self.speeds, "command.speeds", 4)
         return speeds, as_floats(self.angles, "command.angles", 4)
 

@@ -191,9 +191,10 @@ class Arrivals:
         if sequence in self._seen:
             self._counts.doubled += 1
             return False
-        self._seen.append(sequence)
         self._counts.late += 1
-        self._counts.lost -= self._first < sequence > self._newest - WINDOW
+        if sequence > self._newest - WINDOW:
+            self._seen.append(sequence)
+            self._counts.lost -= sequence > self._first
         return False
 
     def _begin(self, session: int, sequence: int) -> None:

@@ -20,7 +20,7 @@ from robocon_course.robot.camera_frames import decode_frame
 from robocon_course.robot.codec import decode_observation, encode_command
 from robocon_course.robot.hardware import Command, Frame, Observation
 from robocon_course.robot.link import Arrivals, Datagram, LinkError
-from robocon_course.robot.udp_end import AT_ONCE, End, checked
+from robocon_course.robot.udp_end import AT_ONCE, End
 from robocon_course.robot.udp_server import RobotServer, serve
 
 __all__ = ["RobotServer", "UdpRobot", "serve"]
@@ -50,10 +50,12 @@ class UdpRobot(End):
     Raises
     ------
     LinkError
-        No such host, or no robot that answers.
+        No such host, no robot that answers, or a wait that is none.
     """
 
     def __init__(self, host: str, port: int, *, wait: float = 3.0) -> None:
+        if not isinstance(wait, int | float) or not wait >= 0.0:
+            raise LinkError(f"wait: expected seconds, 0 or more, got {wait!r}")
         super().__init__()
         self._arrivals = Arrivals(self.counts), Arrivals(self.counts)
         self._pending: deque[Observation] = deque(maxlen=AT_ONCE)
@@ -143,14 +145,15 @@ class UdpRobot(End):
         Raises
         ------
         ValueError
-            Not a command, or one with numbers that are not finite. What the network does is
-            counted, not raised.
+            Not a command, or one that `Command.checked` refuses. What the network does is counted,
+            not raised.
         """
         if not isinstance(command, Command):
             raise ValueError(
                 f"command: expected Command(speeds, angles), got {type(command).__name__}"
             )
-        if self._send("command", encode_command(checked(command)), self._robot):
+        command.checked()
+        if self._send("command", encode_command(command), self._robot):
             self._said = monotonic()
 
     def _greet(self) -> None:

@@ -5,12 +5,10 @@ from __future__ import annotations
 import select
 import socket
 from collections.abc import Iterator
-from math import isfinite
 from secrets import randbits
 from time import monotonic
 from typing import Self
 
-from robocon_course.robot.hardware import Command
 from robocon_course.robot.link import Datagram, LinkCounts, OtherVersion, pack, unpack
 from robocon_course.robot.text import Tree
 
@@ -72,12 +70,3 @@ class End:
         rest = until - monotonic()
         if rest > 0.0:
             select.select([self._socket], [], [], rest)
-
-
-def checked(command: Command) -> Command:
-    """A command that can be carried out; refuses others."""
-    command.checked()
-    for name in ("intake", "pan", "tilt"):
-        if not isfinite(getattr(command, name)):
-            raise ValueError(f"command.{name}: expected a finite number")
-    return command

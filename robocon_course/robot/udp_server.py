@@ -12,7 +12,7 @@ from robocon_course.robot.camera_frames import encode_frame
 from robocon_course.robot.codec import decode_command, encode_observation
 from robocon_course.robot.hardware import Command, Frame, Observation, Robot
 from robocon_course.robot.link import Arrivals, Datagram, LinkError, pack
-from robocon_course.robot.udp_end import Address, End, checked
+from robocon_course.robot.udp_end import Address, End
 
 PERIOD = 0.01
 """Between two observations [s]."""
@@ -20,6 +20,8 @@ PATIENCE = 0.15
 """Without a command for so long, a robot stops [s]. With all delays it stands by within 0.2 s."""
 FORGET = 1.0
 """After so long without a word, a robot listens to somebody else [s]."""
+KNOWN = 16
+"""Of so many senders it is known which datagrams came already."""
 MOST_SAMPLES = 200
 """IMU samples that an observation carries at most; of more, the oldest are left away."""
 QUALITIES = (85, 60, 35, 15)
@@ -56,7 +58,7 @@ class RobotServer(End):
     Raises
     ------
     LinkError
-        The port is taken, or the address is not of this computer.
+        The port is taken, the address is not of this computer, or the robot is none.
     """
 
     def __init__(
@@ -67,6 +69,8 @@ class RobotServer(End):
         host: str = "127.0.0.1",
         step: Callable[[float], object] | None = None,
     ) -> None:
+        if not isinstance(robot, Robot):
+            raise LinkError(f"robot: expected read() and apply(command), got {robot!r:.60}")
         super().__init__()
         try:
             self._socket.bind((host, port))
@@ -77,7 +81,7 @@ class RobotServer(End):
         self.driving = False
         self._robot, self._step = robot, step
         self._peer: Address | None = None
-        self._arrivals = Arrivals(self.counts)
+        self._senders: dict[Address, Arrivals] = {}
         self._heard = self._told = -1e9
         self._stepped = monotonic()
         self._command = Command.stop()
@@ -136,22 +140,27 @@ class RobotServer(End):
                 self._obey(datagram)
 
     def _listens_to(self, sender: Address) -> bool:
-        now = monotonic()
         if sender != self._peer:
-            if self._peer is not None and now - self._heard <= FORGET:
+            if self._peer is not None:  # until a turn forgets it
                 self.counts.foreign += 1
                 return False
-            self._peer, self._arrivals = sender, Arrivals(self.counts)
-        self._heard = now
+            self._peer = sender
+            # What each has said stays known: its old words, sent again, shall not drive the robot.
+            known = self._senders.pop(sender, None) or Arrivals(self.counts)
+            self._senders[sender] = known
+            for oldest in list(self._senders)[:-KNOWN]:
+                del self._senders[oldest]
+        self._heard = monotonic()
         return True
 
     def _obey(self, datagram: Datagram) -> None:
         try:
-            command = checked(decode_command(datagram.body))
+            command = decode_command(datagram.body)
+            command.checked()
         except ValueError:
             self.counts.malformed += 1
             return
-        if self._arrivals.take(datagram.session, datagram.sequence):
+        if self._senders[self._peer].take(datagram.session, datagram.sequence):
             self._told, self._command, self.driving = monotonic(), command, True
             self._robot.apply(command)
 

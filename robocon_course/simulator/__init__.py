@@ -13,6 +13,12 @@
 ``noise``     random numbers by row
 ``numbers``   refusals of what is no number of a model
 ``motions``   known motions for an IMU to record
+``match``     `Match`: a whole match around that robot; imported by name, as the next ones
+``balls``     balls that roll and are pushed
+``glimpse``   what a detector would say, without a picture
+``referee``   rules, points, and the other team's plan
+``others``    who else plays
+``faults``    what goes wrong
 ``warm``      `warm_up`: compile before a robot is needed
 ============  ==================================================================
 """

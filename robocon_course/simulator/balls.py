@@ -27,10 +27,8 @@ HALT = 0.25
 """A rolling ball loses so much speed [m/s^2]."""
 BOUNCE = 0.3
 """Share of the speed that comes back from a push."""
-ROLL_DOWN = 9.81 * 0.1 * 5 / 7
+ROLL_DOWN = 9.81 * SIDE_SLOPE.slope[0] * 5 / 7
 """Down the side slope, a rolling solid ball [m/s^2]."""
-RIM = 0.05
-"""Of the fence [m]."""
 LOW = (RADIUS, STORAGE_ZONE.y0 + RADIUS)
 HIGH = (5.875 - RADIUS, SIZE - RADIUS)
 """Walls around Area 3 and the Storage Zone, as a ball's middle meets them [m, map]."""
@@ -183,8 +181,8 @@ def floor_under(xy: FloatArray) -> FloatArray:
     -------
     ndarray, shape (n,)  [m above the ground under the stage]
     """
-    climb = SIDE_SLOPE.slope[0] * (xy[:, 0] - SIDE_SLOPE.x0)
-    return SIDE_SLOPE.height + np.clip(climb, 0.0, SIDE_SLOPE.slope[0])
+    uphill = np.clip(xy[:, 0] - SIDE_SLOPE.x0, 0.0, SIDE_SLOPE.x1 - SIDE_SLOPE.x0)
+    return SIDE_SLOPE.height + SIDE_SLOPE.slope[0] * uphill
 
 
 class Balls:

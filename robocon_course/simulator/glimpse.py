@@ -1,8 +1,8 @@
 """What a detector would say of a scene, without a picture: true outlines, and its usual mistakes.
 
-For campaigns of hundreds of matches. Each thing in view is hidden by what stands nearer, found with
-a chance that falls with its size and with what is seen of it, framed a little wrong, and now and
-then taken for another.
+For campaigns of hundreds of matches. Each thing in view is found with a chance that falls with its
+size and with what is seen of it, framed a little wrong, and now and then taken for another. Balls
+hide one another; silos, which stand in a row, hide nothing and are hidden by nothing.
 """
 
 from __future__ import annotations
@@ -45,18 +45,20 @@ _ANGLES = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
 _DISC = np.vstack([np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)]) * r for r in (1.0, 0.55)])
 # And of a cylinder: its foot and its top.
 _CYLINDER = np.array([(np.cos(a), np.sin(a), z) for a in _ANGLES for z in (0.0, 1.0)])
+STICKS_OUT = 0.135
+"""So far the third ball stands out of its silo [m]."""
 _HALF, _TALL = 0.5 * field.SILO_DIAMETER, field.SILO_HEIGHT
 # Each silo as it stands on the map, first without a third ball and then with it: it looks out.
 _SILOS_STANDING = np.array([
     [_CYLINDER * (_HALF, _HALF, tall) + (x, y, field.SILO_ZONE.height) for x, y in field.SILOS]
-    for tall in (_TALL, _TALL + 0.135)
+    for tall in (_TALL, _TALL + STICKS_OUT)
 ])  # fmt: skip
 AHEAD = 0.3
 """Nothing nearer before the lens is seen [m]."""
 LEAST_SEEN = 0.15
 """Of a ball of which less is seen nothing is said."""
-SHOWN = 0.6
-"""Nor of a silo of which less lies within the picture."""
+LEAST_INSIDE = 0.6
+"""And of a silo of which less lies inside the picture."""
 
 
 def balls_seen(
@@ -106,8 +108,8 @@ def silos_seen(
     ----------
     camera : Camera
     T_map_camera : ndarray, shape (4, 4)
-    fillings : sequence of str
-        Of silos 1 to 5, as `vision.SILOS` writes them.
+    fillings : sequence of 5 str
+        Of silos 1 to 5, as `vision.SILOS` writes them: ``"empty"`` for an empty one.
     rng : numpy.random.Generator
     mistakes : Mistakes
 
@@ -115,7 +117,7 @@ def silos_seen(
     -------
     Detections
     """
-    full = [int(len(filling) == 3) for filling in fillings]
+    full = [int(len(filling) == field.SILO_CAPACITY) for filling in fillings]
     outlines = _SILOS_STANDING[full, range(len(field.SILOS))]
     away = (outlines - T_map_camera[:3, 3]) @ T_map_camera[:3, :3]
     ahead = np.flatnonzero(away[..., 2].min(axis=1) >= AHEAD)
@@ -123,7 +125,7 @@ def silos_seen(
     boxes = np.concatenate([points.min(axis=1), points.max(axis=1)], axis=1)
     cut = np.clip(boxes, 0, (camera.width, camera.height) * 2)
     shares = _area(cut) / _area(boxes)
-    kept = np.flatnonzero(shares >= SHOWN)
+    kept = np.flatnonzero(shares >= LEAST_INSIDE)
     ids = [SILOS.index(fillings[k]) for k in ahead[kept]]
     return _told(camera, cut[kept], ids, shares[kept], len(SILOS), rng, mistakes)
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from robocon_course import field
 from robocon_course._arrays import CourseError, FloatArray
-from robocon_course.mission import LETTERS, order_b
+from robocon_course.mission import LETTERS
 from robocon_course.robot import Command, Frame, LidarReading, Observation
 from robocon_course.simulator import balls as rolling
 from robocon_course.simulator.balls import FREE, HELD, OUT, Balls
@@ -23,13 +23,8 @@ from robocon_course.simulator.faults import HAPPENS, KINDS, Fault, slipping
 from robocon_course.simulator.glimpse import balls_seen, silos_seen
 from robocon_course.simulator.machine import START, Simulator
 from robocon_course.simulator.model import RobotModel
-from robocon_course.simulator.referee import (
-    MATCH,
-    OPPONENTS,
-    RETRY_COSTS,
-    Referee,
-    plan,
-)
+from robocon_course.simulator.others import Others
+from robocon_course.simulator.referee import MATCH, OPPONENTS, RETRY_COSTS, Referee, refuse
 from robocon_course.simulator.sensors import SensorModel
 from robocon_course.vision.camera import Camera
 
@@ -49,8 +44,6 @@ LETTING_GO = 0.5
 """It takes so long [s]."""
 BORE = 0.06
 """A ball that falls no farther than this beside a silo's middle slides in [m]."""
-FEED = (12.0, 7.0, 24)
-"""Robot 1 sends a ball from then on, so often, so many, own and empty in turns [s, s]."""
 STREAMS = ("pile", "placing", "opponent", "feed", "camera", "sensors")
 
 
@@ -85,7 +78,7 @@ class Match:
     Raises
     ------
     CourseError
-        Another team, opponent or fault.
+        Another team, opponent or fault, a seed that is none.
     """
 
     def __init__(
@@ -99,10 +92,12 @@ class Match:
         drawn: bool = False,
         faults: Sequence[Fault] = (),
     ) -> None:
-        _refuse("team", team, tuple(LETTERS))
-        _refuse("opponent", opponent, (None, *OPPONENTS))
+        refuse("team", team, tuple(LETTERS))
+        refuse("opponent", opponent, (None, *OPPONENTS))
         for fault in faults:
-            _refuse("faults", fault.kind, KINDS)
+            refuse("faults", fault.kind, KINDS)
+        if not isinstance(seed, int | np.integer) or seed < 0:
+            raise CourseError(f"seed: expected a whole number, 0 or more, got {seed!r}")
         words = np.random.SeedSequence([int(seed), 2024]).spawn(len(STREAMS))
         self._rng = {name: np.random.Generator(np.random.PCG64(w))
                      for name, w in zip(STREAMS, words, strict=True)}  # fmt: skip
@@ -112,8 +107,7 @@ class Match:
         self.robot.reset(int(self._rng["sensors"].integers(1 << 31)))
         pile = self._rng["pile"].permutation([team] * 6 + ["purple"] * 10)
         self.balls = Balls(np.array(field.PILE_BALLS), [str(name) for name in pile])
-        self._theirs = plan(self._rng["opponent"], OPPONENTS[opponent]) if opponent else []
-        self._their_y = float(field.SILO_POST[1])
+        self._others = Others(team, opponent, self._rng)
         self._eye = FieldCamera(int(self._rng["camera"].integers(1 << 31))) if drawn else None
         self.started: float | None = None
         self.retries, self._waits_until, self._area_2 = 0, 0.0, False
@@ -121,7 +115,7 @@ class Match:
         self._command = Command.stop()
         self._pulled = self._released = 0.0
         self._frames: list[Frame] = []
-        self._next_frame, self._fed, self._planted = 0.0, 0, 0
+        self._next_frame = 0.0
         self._done: set[Fault] = set()
         self._last: Observation | None = None
 
@@ -221,8 +215,9 @@ class Match:
             return
         self._grip(touched, pull)
         self._let_go(pose, pull)
-        self._others()
-        self._go_wrong(pose)
+        self._others.act(self.clock, self.referee, self.balls)
+        if self.faults:
+            self._go_wrong(self.robot.motion[0])  # a foul may have put it elsewhere by now
         self._area_2 |= bool(pose[1] > 4.5)
         if self._command.watch and self.robot.time >= self._next_frame - 1e-9:
             self._take_frame(pose)
@@ -276,14 +271,16 @@ class Match:
         if ejected:
             reach = 0.45
             self.put_down(ball, (pose[0] + reach * c, pose[1] + reach * s), (0.4 * c, 0.4 * s))
+            self._released = 0.0
         if self._released < LETTING_GO:
             return
         self._released = 0.0
         x, y = pose[0] + ARM * c, pose[1] + ARM * s
         away = [hypot(x - sx, y - sy) for sx, sy in field.SILOS]
         silo = int(np.argmin(away))
-        if away[silo] <= BORE and self.referee.store(self.clock, "own", silo):
-            self.balls.place[ball] = OUT
+        if away[silo] <= BORE:
+            self.balls.place[ball] = OUT  # from a full silo it rolls away, as the referee notes
+            self.referee.store(self.clock, "own", silo)
         elif x > 5.75:  # on the Silo Zone nobody gets it any more
             self.balls.place[ball] = OUT
             self.referee.note(self.clock, "lost ball", "own", f"{away[silo]:.3f} m beside a silo")
@@ -296,36 +293,6 @@ class Match:
         self.balls.xy[ball] = np.clip(xy, rolling.LOW, rolling.HIGH)
         self.balls.velocity[ball] = velocity
         self.balls.place[ball] = FREE
-
-    # --- the others -------------------------------------------------------------------------------
-
-    def _others(self) -> None:
-        """The other team's Robot 2, and both Robots 1."""
-        now, referee = self.clock, self.referee
-        while self._theirs and self._theirs[0][0] <= now and not self.over:
-            _, falls_in = self._theirs.pop(0)
-            theirs = "blue" if self.team == "red" else "red"
-            silo = order_b(referee.fillings, theirs, self._their_y)
-            if silo is None:
-                continue
-            self._their_y = float(field.SILOS[silo][1])
-            if falls_in:
-                referee.store(now, "theirs", silo)
-            else:
-                referee.note(now, "lost ball", "theirs")
-        if self._planted < 12 and now >= 5.0 * (self._planted + 1):
-            self._planted += 1
-            referee.give(now, "own", "seedling")
-            referee.give(now, "theirs", "seedling")
-        first, every, most = FEED
-        if self._fed < most and now >= first + every * self._fed:
-            rng = self._rng["feed"]
-            at = float(rng.uniform(0.5, 1.9)), 8.15
-            speed = float(rng.uniform(-0.15, 0.15)), float(rng.uniform(0.5, 0.9))
-            self.balls.add(at, speed, (self.team, "purple")[self._fed % 2])
-            self._fed += 1
-            referee.give(now, "own", "transfer")
-            referee.give(now, "theirs", "transfer")
 
     # --- camera -----------------------------------------------------------------------------------
 
@@ -386,8 +353,3 @@ class Match:
             if happen is not None and happen(self, pose):
                 self._done.add(fault)
                 self.referee.note(self.clock, "fault", "own", fault.kind)
-
-
-def _refuse(name: str, got: object, known: Sequence) -> None:
-    if got not in known:
-        raise CourseError(f"{name}: expected one of {', '.join(map(str, known))}, got {got!r}")

@@ -2,8 +2,8 @@
 
 Points: 10 for a seedling, 10 for a ball sent to the Storage Zone, 30 for a ball in a silo. Three
 silos, each full, with two own balls or more and an own one on top, win at once (Mua Vang). A foul
-(another ball than an own one gripped, a second one gripped, the body over the Silo Zone) means a
-retry.
+(another ball than an own one gripped, or a second one) means a retry. The rules know two more, a
+body over the Silo Zone or in the water: the simulator's walls let no body come there.
 
 Source: rules of ABU Robocon 2024 as far as known; where nothing was found the numbers here are
 proposals: unlimited retries of 5 s, the carried ball leaves the game.
@@ -11,20 +11,25 @@ proposals: unlimited retries of 5 s, the carried ball leaves the game.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
+from robocon_course._arrays import CourseError
 from robocon_course.field import MATCH_LENGTH, SILOS
-from robocon_course.mission import is_full, winner
+from robocon_course.mission import LETTERS, is_full, winner
 
+TEAMS = ("own", "theirs")
 MATCH = MATCH_LENGTH
 """[s]"""
 RETRY_COSTS = 5.0
 """[s]"""
 SEEDLING, TRANSFER, STORED = 10, 10, 30
 """Points."""
+WORTH = {"stored": STORED, "transfer": TRANSFER, "seedling": SEEDLING}
+"""Points by event. Of equal sums the balls in silos decide, then those sent, then seedlings."""
 MUA_VANG = "Mua Vang"
 
 
@@ -66,6 +71,12 @@ class Referee:
     winner, reason : str
         Empty while the match is played.
     ended : float  [s]
+        When it did; until then, when it will at the latest.
+
+    Raises
+    ------
+    CourseError
+        Another letter; from the methods, another team, silo or deed.
     """
 
     letter: str
@@ -76,25 +87,33 @@ class Referee:
     reason: str = field(init=False, default="")
     ended: float = field(init=False, default=MATCH)
 
+    def __post_init__(self) -> None:
+        refuse("letter", self.letter, tuple(LETTERS.values()))
+
     def letter_of(self, team: str) -> str:
         """Of a team's balls."""
+        refuse("team", team, TEAMS)
         return self.letter if team == "own" else "RB".replace(self.letter, "")
 
     def store(self, time: float, team: str, silo: int) -> bool:
-        """A ball falls into a silo; False if it is full, and the ball rolls away."""
+        """A ball falls into a silo, 0 to 4; False if it is full, and the ball rolls away."""
+        letter = self.letter_of(team)
+        refuse("silo", silo, range(len(SILOS)))
         if is_full(self.fillings[silo]):
             self.note(time, "lost ball", team, f"silo {silo + 1} was full")
             return False
-        self.fillings[silo] += self.letter_of(team)
+        self.fillings[silo] += letter
         self.points[team] += STORED
         self.note(time, "stored", team, f"silo {silo + 1}: {self.fillings[silo]}")
-        if winner(self.fillings) == self.letter_of(team):
+        if winner(self.fillings) == letter:
             self._end(time, team, MUA_VANG)
         return True
 
     def give(self, time: float, team: str, what: str) -> None:
         """Points for Robot 1's work: ``"transfer"`` or ``"seedling"``."""
-        self.points[team] += TRANSFER if what == "transfer" else SEEDLING
+        refuse("team", team, TEAMS)
+        refuse("what", what, ("transfer", "seedling"))
+        self.points[team] += WORTH[what]
         self.note(time, what, team)
 
     def note(self, time: float, what: str, team: str = "own", detail: str = "") -> None:
@@ -102,8 +121,10 @@ class Referee:
         self.events.append(Event(time, what, team, detail))
 
     def time_is_up(self, time: float) -> None:
-        """The match ends by points; of equal ones nobody wins."""
-        own, theirs = self.points["own"], self.points["theirs"]
+        """The match ends by points; where they and what they are made of are equal nobody wins."""
+        own, theirs = (
+            (self.points[team], *(self.count(what, team) for what in WORTH)) for team in TEAMS
+        )
         winner = "own" if own > theirs else "theirs" if theirs > own else "nobody"
         self._end(time, winner, "points")
 
@@ -114,6 +135,17 @@ class Referee:
     def _end(self, time: float, winner: str, reason: str) -> None:
         if not self.winner:
             self.winner, self.reason, self.ended = winner, reason, time
+
+
+def refuse(name: str, got: object, known: Collection) -> None:
+    """Refuse an argument that is none of those that are known.
+
+    Raises
+    ------
+    CourseError
+    """
+    if got not in known:
+        raise CourseError(f"{name}: expected one of {', '.join(map(str, known))}, got {got!r}")
 
 
 class Opponent(NamedTuple):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite, nan
+
 from robocon_course.autopilot import Parts, module_command
 from robocon_course.robot import Command, Observation
 from robocon_course.robot.messages import Button, Twist
@@ -27,17 +29,33 @@ class ByHand:
         self._held: dict[str, float] = {}
 
     def steer(self, topic: str, twist: Twist) -> None:
-        """The stick moved."""
-        self._twist = (float(twist.vx), float(twist.vy), float(twist.omega))
+        """The stick moved; one that is nowhere is in the middle."""
+        try:
+            asked = float(twist.vx), float(twist.vy), float(twist.omega)
+        except (AttributeError, TypeError, ValueError):
+            asked = (nan,) * 3
+        self._twist = asked if all(map(isfinite, asked)) else (0.0, 0.0, 0.0)
 
     def press(self, button: Button) -> None:
-        """A button that is about driving by hand."""
-        if button.name == "manual":
-            self.on = button.value in ("on", True)
+        """A button that is about driving by hand; others mean nothing here.
+
+        Raises
+        ------
+        ValueError
+            An angle or a speed of the rollers that is no number.
+        """
+        name, value = button.name, button.value
+        if name == "manual":
+            self.on = value in ("on", 1.0)
             self._twist, self._held = (0.0, 0.0, 0.0), {}
-        elif button.name in ("intake", "pan", "tilt"):
-            self._held[button.name] = float(button.value)
-        elif button.name == "release":
+        elif name in ("stop", "set_up"):
+            self.on = False
+        elif name in ("intake", "pan", "tilt"):
+            number = value if isinstance(value, int | float) else nan
+            if not isfinite(number):
+                raise ValueError(f"{name}: expected a number, got {value!r}")
+            self._held[name] = float(number)
+        elif name == "release":
             self._held["release"] = LETS_GO
             self._held["intake"] = 0.0
 

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robocon_course._arrays import CourseError, as_floats
 from robocon_course.autopilot import Autopilot, Parts, Telemetry, measured_offsets
 from robocon_course.field import MATCH_LENGTH
-from robocon_course.mission import STRATEGIES
-from robocon_course.robot import Bus
+from robocon_course.mission import LETTERS, STRATEGIES
+from robocon_course.robot import LIDARS, Bus
 from robocon_course.robot.messages import Button, Log, PoseStamped, Score
 from robocon_course.worlds.by_hand import ByHand
 from robocon_course.worlds.drive import REFERENCE
@@ -47,11 +48,21 @@ def new_pilot(parts: Parts, student: Student, setting: str) -> Autopilot:
     Returns
     -------
     Autopilot
+
+    Raises
+    ------
+    CourseError
+        A setting that is none.
     """
-    team, *numbers, walls, imu = setting.split()
+    try:
+        team, *numbers, walls, imu = setting.split()
+        offsets = as_floats([float(number) for number in numbers], "offsets", len(LIDARS))
+    except (AttributeError, ValueError):
+        raise CourseError(
+            f"setting: expected a team, {len(LIDARS)} numbers and two flags, got {setting!r:.80}"
+        ) from None
     return Autopilot(
-        parts, calibrated_wheels(student, parts), team,
-        offsets=[float(number) for number in numbers],
+        parts, calibrated_wheels(student, parts), team, offsets=offsets,
         use_walls=walls == "1", use_imu=imu == "1",
     )  # fmt: skip
 
@@ -71,12 +82,17 @@ class Play:
     bus : Bus, optional
         Told everything, and listened to: ``/operator`` and ``/cmd_vel``.
     walls, imu, set_up : bool
-        Without LiDARs; without gyroscope; with LiDARs whose own errors nobody measured.
+        False: without LiDARs; without gyroscope; with LiDARs whose own errors nobody measured.
 
     Attributes
     ----------
     match : Match
     pilot : Autopilot
+
+    Raises
+    ------
+    CourseError
+        Another strategy, team, opponent or fault.
     """
 
     def __init__(
@@ -96,22 +112,26 @@ class Play:
         set_up: bool = True,
     ) -> None:
         if strategy is not None:
+            if strategy not in STRATEGIES:
+                known = ", ".join(STRATEGIES)
+                raise CourseError(f"strategy: expected one of {known}, got {strategy!r}")
             parts = replace(parts, choose_silo=STRATEGIES[strategy])
         self.student, self.parts, self.seed, self.bus = student, parts, seed, bus
+        self._team = team
         self._match = {"opponent": opponent, "drawn": drawn, "faults": faults}
         self._pilot = {"walls": walls, "imu": imu, "set_up": set_up}
         self._by_hand = ByHand()
+        self._prepare()
         if bus is not None:
             bus.subscribe("/operator", self._pressed)
             bus.subscribe("/cmd_vel", self._by_hand.steer)
-        self._prepare(team)
 
-    def _prepare(self, team: str) -> None:
+    def _prepare(self) -> None:
         """A new match, until the robot stands at its start and knows its gyroscope."""
         from robocon_course.simulator import SensorModel
         from robocon_course.simulator.match import Match
 
-        student, setting = self.student, self._pilot
+        student, team, setting = self.student, self._team, self._pilot
         self.match: Match = Match(
             int(generator(student, "match", str(self.seed)).integers(1 << 31)), team=team,
             model=own_robot(student), sensors=SensorModel(imu=own_imu(student)), **self._match,
@@ -146,51 +166,81 @@ class Play:
         match.apply(command)
         if self._telemetry is not None:
             self._telemetry.tell(seen, command)
-            self._tell_score()
+            self._tell_events()
+            if round(match.robot.time * 100) % 10 == 0:
+                self._tell_score()
+        over = match.over
         match.step()
+        if match.over and not over and self._telemetry is not None:
+            self._tell_events()  # whoever plays stops here: nothing else would tell the end
+            self._tell_score()
         if match.retries != self._retries:
             self._retries = match.retries
-            from robocon_course.simulator.referee import RETRY_COSTS
+            self._place()
 
-            pilot.restart(match.home, RETRY_COSTS)
-            self._tell("placed", " ".join(map(repr, map(float, (*match.home, RETRY_COSTS)))))
+    def _place(self) -> None:
+        """The crew has put the robot down; one that was stopped goes on waiting for "start"."""
+        from robocon_course.simulator.referee import RETRY_COSTS
+
+        home, stopped = self.match.home, self.pilot.stopped
+        self.pilot.restart(home, RETRY_COSTS)
+        self._tell("placed", " ".join(map(repr, map(float, (*home, RETRY_COSTS)))))
+        if stopped:
+            self.pilot.stop()
+            self._tell("stop")
 
     def _pressed(self, topic: str, button: Button) -> None:
-        """The operator's buttons."""
+        """The operator's buttons; one that means nothing here is told, and changes nothing."""
+        try:
+            self._do(str(button.name), button)
+        except Exception as error:  # a listener that raises is dropped: "stop" must work on
+            line = f"a button that cannot be: {type(error).__name__}: {error}"
+            self.bus.publish("/rosout", Log(self.match.robot.time, "warning", line))
+
+    def _do(self, name: str, button: Button) -> None:
         match = self.match
-        if button.name == "start" and match.over:
+        if name == "start" and match.over:
             self.seed += 1
-            self._prepare(match.team)
+            self._prepare()
             self.start()
-        elif button.name == "start":
+        elif name == "start":
             self.start()
-        elif button.name == "colour" and match.started is None and button.value != match.team:
-            self._prepare(str(button.value))
-        elif button.name == "retry" and match.started is not None and not match.over:
+        elif name == "colour":
+            self._choose_team(str(button.value))
+        elif name == "retry" and match.started is not None and not match.over:
             match.retry()
-        elif button.name == "stop":
-            self.pilot.stop()
-            self._by_hand.on = False
         else:
+            if name == "stop":
+                self.pilot.stop()
             self._by_hand.press(button)
+
+    def _choose_team(self, team: str) -> None:
+        """Before a match: of this one. Later: of the next."""
+        if team not in LETTERS:
+            raise CourseError(f"colour: expected one of {', '.join(LETTERS)}, got {team!r}")
+        before, self._team = self._team, team
+        if self.match.started is None and team != before:
+            self._prepare()
 
     def _tell(self, name: str, value: str = "") -> None:
         """What the crew did, for whoever writes it down."""
         if self.bus is not None:
             self.bus.publish("/operator", Button(name, value))
 
+    def _tell_events(self) -> None:
+        """What the referee saw since it was told last."""
+        events, now = self.match.referee.events, self.match.robot.time
+        for event in events[self._events :]:
+            bad = event.team == "own" and event.what in ("foul", "retry", "fault", "lost ball")
+            text = f"{event.team}: {event.what} {event.detail}".rstrip()
+            self.bus.publish("/rosout", Log(now, "warning" if bad else "info", text))
+        self._events = len(events)
+
     def _tell_score(self) -> None:
-        match, bus, referee = self.match, self.bus, self.match.referee
-        now = match.robot.time
-        for event in referee.events[self._events :]:
-            level = "warning" if event.what in ("foul", "retry", "fault", "lost ball") else "info"
-            bus.publish("/rosout", Log(now, level, f"{event.team}: {event.what} {event.detail}"))
-        self._events = len(referee.events)
-        if round(now * 100) % 10 == 0:
-            pose, _ = match.robot.motion
-            bus.publish("/ground_truth", PoseStamped(now, pose))
-            score = Score(
-                now, referee.points["own"], referee.points["theirs"], MATCH_LENGTH - match.clock,
-                referee.winner, referee.reason,
-            )  # fmt: skip
-            bus.publish("/score", score)
+        """How the match stands, and where the robot is indeed."""
+        match, referee, now = self.match, self.match.referee, self.match.robot.time
+        pose, _ = match.robot.motion
+        self.bus.publish("/ground_truth", PoseStamped(now, pose))
+        left = MATCH_LENGTH - min(match.clock, referee.ended)
+        points = referee.points["own"], referee.points["theirs"]
+        self.bus.publish("/score", Score(now, *points, left, referee.winner, referee.reason))

@@ -10,6 +10,7 @@ from robocon_course._arrays import CourseError
 from robocon_course.autopilot import Autopilot, Parts
 from robocon_course.logs import Replay
 from robocon_course.robot.messages import Button
+from robocon_course.worlds.by_hand import ByHand
 from robocon_course.worlds.drive import REFERENCE
 from robocon_course.worlds.match import new_pilot
 from robocon_course.worlds.student import Student
@@ -32,12 +33,15 @@ class Replayed:
         When the first of them was.
     states : tuple of (float, str)
         Time [s] and state, each time it changed.
+    trouble : str
+        Empty; else why the log ends before its end.
     """
 
     commands: int
     different: int
     first: float | None
     states: tuple[tuple[float, str], ...]
+    trouble: str = ""
 
     @property
     def same(self) -> bool:
@@ -48,6 +52,7 @@ class Replayed:
     def lines(self) -> tuple[str, ...]:
         """The result in words."""
         told = [f"{time:8.2f} s  {state}" for time, state in self.states]
+        told += [f"– {self.trouble}"] if self.trouble else []
         if self.same:
             return (*told, f"✔ all {self.commands} commands are those of the log")
         when = "" if self.first is None else f", the first at {self.first:.2f} s"
@@ -83,22 +88,20 @@ def replay_log(
     CourseError
         No log, or one without observations or without the robot's set-up.
     """
-    log, pilot, by_hand, states = Replay(path), None, False, []
+    log, pilot, by_hand, states = Replay(path), None, ByHand(), []
     while not log.ended:
         seen = log.read()
         for topic, message in log.heard:
-            if topic != "/operator":
-                continue
-            if message.name == "set_up":
-                pilot = new_pilot(parts, student, message.value)
-            elif message.name == "manual":
-                by_hand = message.value == "on"
-            elif pilot is not None:
-                _press(pilot, message)
+            if topic == "/cmd_vel":
+                by_hand.steer(topic, message)
+            elif topic == "/operator":
+                pilot = _press(pilot, by_hand, message, lambda at: new_pilot(parts, student, at))
         if pilot is None:
             raise CourseError(f"{path}: the log does not hold how the robot was set up")
         command = pilot.tick(seen)
-        if not by_hand and log.expected is not None:
+        if by_hand.on:
+            command = by_hand.command(parts, seen)
+        if log.expected is not None:
             log.apply(command)
         if not states or pilot.state != states[-1][1]:
             states.append((float(seen.time), str(pilot.state)))
@@ -106,11 +109,21 @@ def replay_log(
             on_time(min(1.0, log.applied / TICKS))
     if not log.applied:
         raise CourseError(f"{path}: no observations with commands in it")
-    return Replayed(log.applied, log.different, log.first_different, tuple(states))
+    return Replayed(log.applied, log.different, log.first_different, tuple(states), log.trouble)
 
 
-def _press(pilot: Autopilot, button: Button) -> None:
-    """What the crew did, as it stands in the log."""
+def _press(
+    pilot: Autopilot | None, by_hand: ByHand, button: Button, made: Callable[[str], Autopilot]
+) -> Autopilot | None:
+    """What the crew and the operator did, as it stands in the log; who plays from then on."""
+    try:
+        by_hand.press(button)
+    except ValueError:  # in the match, too, it changed nothing
+        return pilot
+    if button.name == "set_up":
+        return made(str(button.value))
+    if pilot is None:
+        return None
     if button.name == "start":
         pilot.start()
     elif button.name == "stop":
@@ -118,3 +131,4 @@ def _press(pilot: Autopilot, button: Button) -> None:
     elif button.name == "placed":
         *pose, after = (float(number) for number in str(button.value).split())
         pilot.restart(pose, after)
+    return pilot

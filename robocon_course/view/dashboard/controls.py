@@ -68,6 +68,7 @@ class Controls:
         self._touched = clock()
         self._held: float | None = None
         self._quiet = False
+        self._followed: Any = None
         self._make_match()
         self._make_stick()
         self._make_gripper()
@@ -76,6 +77,7 @@ class Controls:
 
     def refresh(self) -> None:
         """Free what makes sense now, and tell the bus again where the stick stands."""
+        self._follow_crew()
         connected, running = self._inbox.connected(), self._inbox.running
         manual = self.manual.value
         self.start.disabled = running
@@ -109,7 +111,7 @@ class Controls:
         self.colour = _choice("Balls", (("red", "red"), ("blue", "blue")))
         self.side = _choice("Side", (("left", "left"), ("right", "right")))
         for name, one in (("colour", self.colour), ("side", self.side)):
-            one.observe(lambda change, name=name: self._tell(name, change["new"]), names="value")
+            one.observe(lambda change, name=name: self._chose(name, change["new"]), names="value")
 
     def _make_stick(self) -> None:
         self.manual = w.ToggleButton(False, description="Drive by hand", icon="gamepad")
@@ -129,7 +131,7 @@ class Controls:
         self.intake = _choice("Intake", ROLLERS, "hold")
         self.intake.observe(lambda change: self._tell("intake", change["new"]), names="value")
         self.release = self._button("Release", "arrow-down", "")
-        self.release.on_click(lambda _: self._tell("release"))
+        self.release.on_click(self._pressed_release)
         low, high = (round(degrees(end)) for end in SERVO_RANGE)
         self.pan = w.IntSlider(0, min=-PAN, max=PAN, description="pan [°]", **_SLIM)
         self.tilt = w.IntSlider(0, min=low, max=high, description="tilt [°]", **_SLIM)
@@ -170,12 +172,37 @@ class Controls:
         self._push((0.0, 0.0, 0.0))
         self.refresh()
 
+    def _pressed_release(self, _: Any) -> None:
+        """Rollers that turn would fight the arm."""
+        self.intake.value = 0.0
+        self._tell("release")
+
     def _took_over(self, change: Any) -> None:
+        """Whoever takes over has what the screen shows: rollers that stand, the camera there."""
         self._push((0.0, 0.0, 0.0))
         self._tell("manual", "on" if change["new"] else "off")
-        if not change["new"]:
+        self.intake.value = 0.0
+        if change["new"]:
+            self._aimed("pan", self.pan.value)
+            self._aimed("tilt", self.tilt.value)
+        else:
             self._inbox.tell("/cmd_vel", messages.Twist(0.0, 0.0, 0.0))
         self.refresh()
+
+    def _chose(self, name: str, value: str) -> None:
+        if not self._quiet:
+            self._tell(name, value)
+
+    def _follow_crew(self) -> None:
+        """Show the team that was set up; who was stopped or set up anew is not driven by hand."""
+        if self.manual.value and not self._inbox.manual:
+            self.manual.value = False
+        told = self._inbox.set_up
+        if told is not self._followed:
+            self._followed, team = told, str(told.value).partition(" ")[0]
+            if team in dict(self.colour.options):
+                with self._silent():
+                    self.colour.value = team
 
     def _aimed(self, name: str, angle: int) -> None:
         if self.manual.value:

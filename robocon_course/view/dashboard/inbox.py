@@ -74,6 +74,10 @@ class Inbox:
         Whether the robot has come to the end of its planned way.
     running : bool
         Whether somebody pressed start, and neither stop nor the end of the match came since.
+    manual : bool
+        Whether an operator took over; a stop, and a crew that sets the robot up, end it.
+    set_up : messages.Button or None
+        What the crew told last when it set the robot up: its team stands first.
     """
 
     def __init__(self, bus: Bus, clock: Callable[[], float]) -> None:
@@ -85,7 +89,8 @@ class Inbox:
         self.ticks: deque[tuple[float, Any]] = deque(maxlen=50)
         self.found: dict[str, Any] = {}
         self.counts = {"warning": 0, "error": 0}
-        self.reached = self.running = False
+        self.reached = self.running = self.manual = False
+        self.set_up: Any = None
         self._heard: float | None = None
         self._now = 0.0
         self._complained: set[str] = set()
@@ -102,6 +107,9 @@ class Inbox:
         for topic, message in list(bus.latest.items()):
             if topic not in OWN:
                 self._take(topic, message)
+        last = bus.latest.get("/operator")
+        if getattr(last, "name", "") == "set_up":
+            self.set_up = last
         self._bus = bus
         self._said: Any = None
         self._stop = bus.subscribe("*", self.hear)
@@ -142,6 +150,7 @@ class Inbox:
         self.entries, self.states = other.entries.copy(), other.states.copy()
         self.trail, self.counts = other.trail.copy(), dict(other.counts)
         self.running, self.reached, self._now = other.running, other.reached, other.now()
+        self.set_up = other.set_up
 
     def close(self) -> None:
         """Listen no longer."""
@@ -214,6 +223,10 @@ class Inbox:
             return
         if name in ("start", "stop"):
             self.running = name == "start"
+        if name in ("manual", "stop", "set_up"):
+            self.manual = name == "manual" and value == "on"
+        if name == "set_up":  # what follows the team is for the autopilot
+            self.set_up, value = message, str(value).partition(" ")[0]
         if name == "start":
             self.trail.clear()
         self.note("operator", f"{name} {value}".strip())
