@@ -119,7 +119,7 @@ def test_a_pipe_without_our_signs_shows_a_question_mark():
         (["status"], "holds no lessons; go to the folder with your notebooks"),
         (["attitude", "nowhere.csv"], "nowhere.csv"),
         (["build", "--check", "--only", "77"], "no lesson source 77"),
-        (["match", "--opponent", "mean"], "opponent: expected one of None, weak, middling, strong"),
+        (["match", "--opponent", "mean"], "--opponent: expected one of weak, middling, strong, none"),
         (["match", "--team", "green"], "team: expected one of red, blue, got 'green'"),
         (["match", "--strategy", "C"], "strategy: expected one of A, B, ahead, got 'C'"),
         (["season", "--seeds", "0"], "at least one match"),
@@ -132,6 +132,7 @@ def test_input_that_cannot_be_used_ends_with_2_and_a_sentence(arguments, sentenc
     code, said = robocon(*arguments)
     assert code == 2 and sentence in said
     assert "Traceback" not in said
+    assert "Robot of student" not in said, "refused only after the simulator was compiled"
 
 
 # --- lab --------------------------------------------------------------------------------------
