@@ -119,7 +119,10 @@ def test_a_pipe_without_our_signs_shows_a_question_mark():
         (["status"], "holds no lessons; go to the folder with your notebooks"),
         (["attitude", "nowhere.csv"], "nowhere.csv"),
         (["build", "--check", "--only", "77"], "no lesson source 77"),
-        (["match", "--opponent", "mean"], "--opponent: expected one of weak, middling, strong, none"),
+        (
+            ["match", "--opponent", "mean"],
+            "--opponent: expected one of weak, middling, strong, none",
+        ),
         (["match", "--team", "green"], "team: expected one of red, blue, got 'green'"),
         (["match", "--strategy", "C"], "strategy: expected one of A, B, ahead, got 'C'"),
         (["season", "--seeds", "0"], "at least one match"),
