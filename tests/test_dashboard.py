@@ -293,6 +293,16 @@ def test_without_a_picture_detections_are_drawn_on_an_empty_one(match):
     assert "silos from the left: B, RB" in match.say("/camera/detections", found).text("camera")
 
 
+def test_without_a_picture_what_was_found_long_ago_is_not_drawn_over_what_is_found_now(match):
+    box, sure = np.array([[20.0, 60, 60, 120]]), np.array([0.9])
+    for time, kind, label in ((1.0, "silo", "RB"), (1.2, "ball", "red")):
+        match.say("/camera/detections", messages.Detection2DArray(time, kind, box, sure, (label,)))
+    assert "RB" in match.text("camera") and "1 red" in match.text("camera")
+    later = messages.Detection2DArray(3.0, "ball", box, sure, ("blue",))
+    words = match.say("/camera/detections", later).text("camera")
+    assert "1 blue" in words and "RB" not in words
+
+
 def test_clock_and_score_are_the_referee_s(match):
     assert match.text("status").endswith("--:--")
     match.say("/score", messages.Score(58.8, 30, 20, 121.2))
