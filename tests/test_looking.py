@@ -56,11 +56,12 @@ def test_each_place_is_drawn_where_it_lies_in_the_square():
     scores[8 * 2 + 5] = 0.9  # the fine grid: row 2, column 5
     scores[64 + 16 + 3] = 0.8  # the coarse one: row 1, column 1
     fig = looking.plot_places(np.full((1, 3, 64, 64), 0.5, np.float32), scores)
-    fine, middle, coarse = (ax.images[1].get_array() for ax in fig.axes)
+    fine, middle, coarse = (ax.images[1].get_array() for ax in fig.axes[:3])
     assert (fine.shape, middle.shape, coarse.shape) == ((8, 8), (4, 4), (2, 2))
     assert fine[2, 5] == 0.9 and fine.count() == 1
     assert middle.count() == 0
     assert coarse[1, 1] == 0.8 and coarse.count() == 1
+    assert fig.axes[3].get_ylabel() == "best score"
 
 
 def test_the_pinhole_says_how_many_pixels_a_ball_has():
