@@ -242,6 +242,10 @@ def draw_choice(balls: Sequence[SeenBall], pose: ArrayLike, way: Approach | None
         ax.plot(*way.ready, "o", color="white", markeredgecolor=MINE, markersize=8, zorder=8)
         ax.plot(*way.take, "o", color=MINE, markersize=8, zorder=8)
         robot_at(ax, (*way.take, way.heading))
+        pad = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
+        for word, at in (("ready", way.ready), ("take", way.take)):
+            place = {"xytext": (0, -16), "textcoords": "offset points", "ha": "center"}
+            ax.annotate(word, at, **place, color=MINE, zorder=9, bbox=pad)
     return fig
 
 
