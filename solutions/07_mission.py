@@ -335,8 +335,13 @@ answer(
 #
 # ### Exercise: one more look (2 points)
 #
-# Told to drive no faster than 0.1 m/s: forget everything. Told to drive, and nothing is remembered, or it
-# is more than 0.03 m away: remember now and here. Else keep the watch. A `nan` never counts as stuck.
+# Three situations:
+#
+# - Told to drive no faster than 0.1 m/s: forget everything.
+# - Told to drive, and nothing is remembered, or it is more than 0.03 m away: remember now and here.
+# - Else keep the watch, and say whether it is stuck.
+#
+# A speed of `nan` is no order to drive. A place of `nan` counts as more than 0.03 m away.
 
 
 # %% exercise="mission.is_stuck"
