@@ -125,6 +125,7 @@ def test_a_pipe_without_our_signs_shows_a_question_mark():
         ),
         (["match", "--team", "green"], "team: expected one of red, blue, got 'green'"),
         (["match", "--strategy", "C"], "strategy: expected one of A, B, ahead, got 'C'"),
+        (["match", "--record", __file__], "--record: expected a folder, "),
         (["season", "--seeds", "0"], "at least one match"),
         (["season", "--workers", "0"], "at least one process"),
         (["season", "--strategy", "C", "--seeds", "1"], "strategy: expected one of A, B, ahead"),
@@ -522,4 +523,4 @@ def test_a_season_is_a_table_with_a_row_for_each_match_and_their_sums(short):
     code, said = robocon("season", "--seeds", "2", "--first", "1", "--workers", "1")
     told = " ".join(said.replace("│", " ").split())  # a narrow terminal breaks the cells' lines
     assert code == 0 and "2 matches" in told and "won 2 of 2," in told and "Vang 0" in told
-    assert re.search(r"1 │ own, points │ 20 s", said) and re.search(r"2 │ own, points", said)
+    assert re.search(r"1 │ won by points │ 20 s", said) and re.search(r"2 │ won by points", said)

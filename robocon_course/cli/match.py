@@ -53,6 +53,8 @@ def match(
         from robocon_course.simulator import warm_up
 
         settings = _settings(opponent, team, strategy) | {"drawn": camera}
+        if record is not None and record.exists() and not record.is_dir():
+            raise CourseError(f"--record: expected a folder, {record} is a file")
         parts, number = _parts(mine)
         console.print(f"Robot of student {number}, parts: {escape(parts().label)}, seed {seed}")
         warm_up(console.print)
@@ -135,6 +137,9 @@ def replay(
         raise typer.Exit(WRONG)
 
 
+ENDED = {"own": "won by", "theirs": "lost by", "nobody": "drawn by"}
+
+
 def season_table(results: Iterable[MatchResult]) -> Table:
     """All matches in one table, and their sums below."""
     results = list(results)
@@ -143,7 +148,7 @@ def season_table(results: Iterable[MatchResult]) -> Table:
         table.add_column(name, justify="left" if name == "result" else "right")
     for one in results:
         table.add_row(
-            str(one.seed), f"{one.winner}, {one.reason}", f"{one.ended:.0f} s",
+            str(one.seed), f"{ENDED[one.winner]} {one.reason}", f"{one.ended:.0f} s",
             f"{one.points} : {one.their_points}", str(one.stored), str(one.fouls),
             str(one.contacts), f"{1000 * one.error:.0f} mm",
         )  # fmt: skip

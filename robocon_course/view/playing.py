@@ -13,6 +13,7 @@ from robocon_course import field
 from robocon_course.mission import mermaid, mission_table
 from robocon_course.robot import Bus
 from robocon_course.view.canvas import publish, show
+from robocon_course.view.driving import AROUND
 from robocon_course.view.field_picture import draw_field
 from robocon_course.view.widgets import has_sliders
 
@@ -40,7 +41,7 @@ def operate(make: Callable[[Bus], Play], *, speed: float = 1.0) -> None:
     speed : float
         As for `play_live`.
     """
-    (x, y), fig = field.START, draw_field(robot=(*field.START, 0.0))
+    (x, y), fig = field.START, draw_field(robot=(*field.START, 0.0), window=AROUND)
     twin = f"The robot at its start at ({x:.2f}, {y:.2f}) m; the operator's screen is not open yet."
     if not has_sliders():
         show(fig, twin)
