@@ -327,6 +327,25 @@ def test_the_log_keeps_the_last_200_lines_newest_first_and_counts_what_is_bad(ma
     assert "83 warnings" in match.text("status") and "83 errors" in match.text("status")
 
 
+def test_what_is_told_on_two_topics_is_one_line_of_the_log_but_warnings_are_counted(match):
+    match.say("/mission/state", messages.State(4.0, "drive", "start"))
+    match.say("/rosout", messages.Log(4.0, "info", "drive: start"))
+    assert match.text("events").count("drive: start") == 1
+    match.say("/rosout", messages.Log(9.0, "info", "drive: start"))
+    assert match.text("events").count("drive: start") == 2, "later it is another event"
+    for _ in range(2):
+        match.say("/rosout", messages.Log(9.0, "warning", "own: foul"))
+    assert match.text("events").count("own: foul") == 2 and "2 warnings" in match.text("status")
+
+
+def test_numbers_that_are_for_a_recording_are_not_shown(match):
+    match.say("/operator", messages.Button("set_up", "blue -0.0136592 1 1"))
+    match.say("/operator", messages.Button("colour", "blue"))
+    words = match.text("events")
+    assert "operator: set_up" in words and "operator: colour blue" in words
+    assert "0.0136592" not in words
+
+
 # --- the mission's states ---------------------------------------------------------------------
 
 
