@@ -1170,7 +1170,8 @@ print("the silos hold, from left to right:", " ".join(reversed(row)))
 # robocon train ball --image-size 160 --epochs 12
 # ```
 #
-# Then copy `run-ball/ball.onnx` beside this notebook. It is tried on 48 small pictures made from your
+# Both together take about half an hour on two cores; a training that was stopped goes on when the line is
+# typed again. Then copy `run-ball/ball.onnx` beside this notebook. It is tried on 48 small pictures made from your
 # student number. An mAP of 0.75 earns all points, 0.5 half; the worst of three sets of 16 counts. Hand in
 # the file together with the notebook.
 #

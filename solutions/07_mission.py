@@ -738,14 +738,19 @@ show(
 # ### At the operator's screen
 #
 # At a contest somebody stands beside the field with a laptop and three buttons. The button below opens
-# that screen, with the simulator behind it, in real time. Without it nothing runs.
+# that screen, with the simulator behind it, in real time. What the camera sees is drawn, and the networks
+# of chapter 06 look at it. The screen needs width: Ctrl+B puts the list of files away.
 #
-# **Task.** Press Start and watch the states. Press Stop while the robot drives, then Start again: what went
-# on meanwhile? Press Retry: where does the robot stand now, and what did it cost? Drive by hand with the
-# sliders or the keys W, A, S, D, Q, E. Before the next match choose the other colour of balls.
+# **Task.**
+#
+# - Press Start and watch the states. Which arrow of the diagram is taken most often?
+# - Press Stop while the robot drives, then Start again. What went on meanwhile?
+# - Press Retry. Where does the robot stand now, and what did it cost?
+# - Drive by hand, with the sliders or the keys W, A, S, D, Q, E. Can you store a ball?
+# - Run the cell anew and choose the other balls before Start.
 
 # %%
-operate(lambda bus: worlds.Play(student, mine, seed=7, bus=bus))
+operate(lambda bus: worlds.Play(student, mine, seed=7, bus=bus, drawn=True))
 
 # %% [markdown]
 # ## 13. Challenge: a strategy for a season (4 points)

@@ -231,6 +231,7 @@ def draw_choice(balls: Sequence[SeenBall], pose: ArrayLike, way: Approach | None
     """
     pose = np.asarray(pose, float)
     fig = draw_field(robot=pose, window=(0.0, 5.0, 8.0, 12.0))
+    fig.set_size_inches(5.6, 4.5)  # four sliders stand below it on a small laptop's screen
     ax = fig.axes[0]
     for ball in balls:
         colour = COLOURS[ball.colour]
