@@ -375,7 +375,7 @@ for now, x in zip(clock, place):
     watch, stuck = is_stuck(watch, now, np.array([x, 10.0, 0.0]), 0.8)
     seen.append(stuck)
 begins = clock[np.argmax(seen)]
-panels = {"x [m]": {"truth": place}, "stuck": {"mine": np.array(seen, float)}}
+panels = {"x [m]": {"truth": place}, "stuck: 1 is yes": {"mine": np.array(seen, float)}}
 show(
     plots.plot_responses(clock, panels),
     f"A robot at 0.8 m/s runs into a fence after 2 s and trembles there. The watch says stuck at "
@@ -756,8 +756,8 @@ operate(lambda bus: worlds.Play(student, mine, seed=7, bus=bus, drawn=True))
 # ## 13. Challenge: a strategy for a season (4 points)
 #
 # Write a better order. It plays three seasons of 50 board games against the strong team. A game won by
-# Mua Vang counts 1, a game won by points ½, any other 0. Who misses at most 34 % of all that in the worst
-# season earns all points, at most 52 % half. Order A earns half.
+# Mua Vang counts 1, a game won by points ½, any other 0. The worst of the three seasons counts. If at most
+# 34 % of its 50 are missing, you earn all points; at most 52 %, half. Order A earns half.
 #
 # `rhythm` says what is known of both teams:
 #

@@ -70,7 +70,7 @@ def draw_states(
     names = list(dict.fromkeys([str(start), *(state for edge in often for state in edge)]))
     places = {name: _place(k, columns) for k, name in enumerate(names)}
     rows = -(-len(names) // columns)
-    fig, ax = figure(8.2, 0.4 + 0.9 * rows)
+    fig, ax = figure(8.2, 0.2 + 0.88 * rows)
     dead, unreached = set(map(str, dead)), set(map(str, unreached))
     for name, place in places.items():
         colour = WARN if name in dead else RAW if name in unreached else TRUTH

@@ -24,6 +24,8 @@ PAINT = {"blue": "#2D6CDF", "purple": "#A64FB0", "red": "#E0334A"}
 GLOW = {name: "#{2:02X}{1:02X}{0:02X}".format(*bgr) for name, bgr in COLOURS.items()}
 FRAME = "#{2:02X}{1:02X}{0:02X}".format(*OTHER)
 """The same on a picture, and the frame of silos: as the contact sheet has them."""
+STROKES = ("-", "--", ":")
+"""Of lines side by side: red and purple, orange and green are one colour to many eyes."""
 
 
 @styled()
@@ -168,8 +170,7 @@ def plot_precision_recall(curves: Mapping[str, tuple[FloatArray, FloatArray]]) -
     curves : mapping of name to (recall, precision)
     """
     fig, ax = figure(5.0, 3.4)
-    strokes = cycle(("-", "--", ":"))  # red and purple are one colour to many eyes
-    for (name, (recall, precision)), stroke in zip(curves.items(), strokes, strict=False):
+    for (name, (recall, precision)), stroke in zip(curves.items(), cycle(STROKES), strict=False):
         ax.plot(recall, precision, stroke, color=PAINT.get(name), label=name, linewidth=2.0)
     ax.set(xlabel="recall: found of what is there", ylabel="precision: right of what is said")
     ax.set(xlim=(0, 1.02), ylim=(0, 1.04))
@@ -216,11 +217,11 @@ def plot_training(runs: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
         As `training.history` gives it: ``epoch``, ``box``, ``class``, ``dfl``, ``map50``.
     """
     fig, (loss, score) = figure(8.0, 3.1, 2)
-    for name, run in runs.items():
+    for (name, run), stroke in zip(runs.items(), cycle(STROKES), strict=False):
         total = run["box"] + run["class"] + run["dfl"]
-        loss.plot(run["epoch"], total, label=name, marker="o" if len(total) < 4 else "")
+        loss.plot(run["epoch"], total, stroke, label=name, marker="o" if len(total) < 4 else "")
         known = np.isfinite(run["map50"])
-        score.plot(run["epoch"][known], run["map50"][known], label=name, marker=".")
+        score.plot(run["epoch"][known], run["map50"][known], stroke, label=name, marker=".")
     loss.set(xlabel="epoch", title="loss on training pictures", ylim=(0, None))
     score.set(xlabel="epoch", title="mAP at 0.5 on validation pictures", ylim=(0, 1.02))
     for ax in (loss, score):
