@@ -25,7 +25,15 @@ import numpy as np
 
 # %%
 from robocon_course import field, files, vision, worlds
-from robocon_course.exercises import answer, begin, check, robot_parts, running_as_test, status
+from robocon_course.exercises import (
+    answer,
+    begin,
+    check,
+    hint,
+    robot_parts,
+    running_as_test,
+    status,
+)
 from robocon_course.simulator.camera import FieldCamera
 from robocon_course.view import explore, figure, looking, pictures, plots, seeing, show
 from robocon_course.vision import Camera, Detections, colour, dataset, evaluation, locate, metrics

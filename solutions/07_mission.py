@@ -18,7 +18,7 @@ from itertools import pairwise
 import numpy as np
 
 from robocon_course import field, geometry, mission, worlds
-from robocon_course.exercises import answer, begin, check, robot_parts, status
+from robocon_course.exercises import answer, begin, check, hint, robot_parts, status
 from robocon_course.mission import State
 from robocon_course.simulator.match import Fault
 from robocon_course.simulator.referee import OPPONENTS
