@@ -251,8 +251,8 @@ xyxy_from_yolo = check("vision.xyxy_from_yolo")
 # ### More from one picture: augmentation
 #
 # A network must not learn the light of one hall by heart. So every training picture is changed a
-# little, as published for the source's robot: brightness by up to 15 %, exposure 10 %, saturation
-# 15 %, blur up to one pixel, noise on 0.1 % of the pixels.
+# little, as in the thesis on the robot of Yogyakarta: brightness by up to 15 %, exposure 10 %,
+# saturation 15 %, blur up to one pixel, noise on 0.1 % of the pixels.
 
 # %%
 plain = next(one.image_bgr for one in small["val"] if one.name == "ball_000018")
@@ -776,7 +776,17 @@ print(f"{'at 2 m/s the robot drives':28s} {1000 * 2 * sum(budget.values()):5.0f}
 # A box is in pixels; the robot needs a **bearing** (to the left positive) and a **range** along the floor.
 # There are two rulers. The first is the ball itself: it is 19 cm wide, and the nearer, the larger.
 #
-# Seen from above, the looks at the left and the right edge *touch* a circle of radius $R$:
+# Seen from above, the looks at the left and the right edge *touch* a circle of radius $R$.
+
+# %%
+show(
+    looking.plot_touching_looks(0.45, 0.6, 0.095),
+    "From above: both looks touch the ball, which lies halfway between them, at 0.60 m and 26° to the right. "
+    "Depth counts along the camera's axis: 0.54 m.",
+)
+
+# %% [markdown]
+# So half the angle between the looks has the sine $R / \rho$:
 #
 # $$a = \frac{a_\text{left} + a_\text{right}}{2}, \qquad
 # \sin\frac{a_\text{right} - a_\text{left}}{2} = \frac{R}{\rho}, \qquad z = \rho \cos a$$
@@ -784,6 +794,7 @@ print(f"{'at 2 m/s the robot drives':28s} {1000 * 2 * sum(budget.values()):5.0f}
 # | symbol | meaning | unit |
 # |---|---|---|
 # | $a_\text{left} = \arctan((u_\text{left} - c_x) / f)$ | angle of an edge | rad |
+# | $R$ | radius of the ball, 0.095 | m |
 # | $\rho$ | distance, seen from above | m |
 # | $z$ | depth along the camera's axis | m |
 #
@@ -909,10 +920,10 @@ print("from the post, left to right:", ", ".join(silo_contents(silos)))
 # %% [markdown]
 # ## 15. The older way: colour alone
 #
-# The robot from Surabaya found coloured balls without a network. Hue, saturation and value of each
-# pixel; those within a window count; the largest patch is the ball. **Hysteresis** makes it steady: a
-# patch starts with strict pixels and grows over loose ones, and the eye stays with its patch until
-# another is twice as large.
+# A robot from Surabaya, of 2015, found coloured balls without a network. Each pixel has a hue, a
+# saturation and a value. Those within a window count, and the largest patch is the ball. **Hysteresis**
+# makes it steady: a patch starts with strict pixels and grows over loose ones, and the eye stays with
+# its patch until another is twice as large.
 
 # %%
 window = colour.COLOURS["blue"]

@@ -70,6 +70,19 @@ def test_the_pinhole_says_how_many_pixels_a_ball_has():
     assert f"picture: {np.ptp(ends[:, 1]):.0f} pixels" in said
 
 
+def test_the_looks_touch_the_ball_and_the_radius_ends_where_they_do():
+    (ax,) = looking.plot_touching_looks(0.45, 0.6, 0.095).axes
+    (ball,) = ax.patches
+    lines = {line.get_color(): line.get_xydata() for line in ax.lines}
+    for line in ax.lines[:2]:
+        _, end = line.get_xydata()
+        gap = abs(end[0] * ball.center[1] - end[1] * ball.center[0]) / np.hypot(*end)
+        assert gap == pytest.approx(0.095)
+    middle, touch = lines[canvas.WARN]
+    assert np.hypot(*(touch - middle)) == pytest.approx(0.095)
+    assert touch @ (touch - middle) == pytest.approx(0.0, abs=1e-12), "a right angle"
+
+
 def test_balls_to_the_left_are_drawn_on_the_left_and_errors_in_centimetres():
     above, error = looking.plot_sightings(SEEN, ["red"], [(0.3, 2.0)]).axes
     (ball,) = above.patches

@@ -155,6 +155,52 @@ def plot_pinhole(distance: float, focal: float, radius: float) -> Figure:
 
 
 @styled()
+def plot_touching_looks(bearing: float, distance: float, radius: float) -> Figure:
+    """From above: the looks at both edges of a ball touch it, and it lies halfway between them.
+
+    Parameters
+    ----------
+    bearing : float  [rad]
+        Of the ball's middle, to the right of the camera's axis.
+    distance : float  [m]
+    radius : float  [m]
+    """
+    half = float(np.arcsin(radius / distance))
+    fig, ax = figure(5.2, 3.4)
+    middle, deep = _ahead(distance, bearing), distance * np.cos(bearing)
+    ax.add_patch(Circle(tuple(middle), radius, facecolor=PAINT["red"], alpha=0.35, linewidth=0))
+    for angle in (bearing - half, bearing + half):
+        ax.plot(*zip((0.0, 0.0), _ahead(1.12 * distance, angle), strict=True), color=MINE, lw=1.6)
+    touch = _ahead(distance * np.cos(half), bearing + half)
+    ax.plot(*zip((0.0, 0.0), middle, strict=True), "--", color=TRUTH, linewidth=1.2)
+    ax.plot(*zip(middle, touch, strict=True), color=WARN, linewidth=2.0)
+    ax.plot([0, 0], [0, 1.12 * distance], color=RAW, linewidth=1.0)
+    ax.plot([0, middle[0]], [deep, deep], ":", color=RAW, linewidth=1.2)
+    for at, turn in ((0.66, bearing - half), (0.5, bearing), (0.34, bearing + half)):
+        ax.plot(*_ahead(at * distance, np.linspace(0.0, turn, 40)), color=RAW, linewidth=0.9)
+    words = {
+        "$a_\\mathrm{left}$": (_ahead(0.71 * distance, (bearing - half) / 2), "center"),
+        "$a$": (_ahead(0.54 * distance, bearing / 3), "center"),
+        "$a_\\mathrm{right}$": (_ahead(0.34 * distance, bearing + half + 0.05), "left"),
+        "$\\rho$": (_ahead(0.8 * distance, bearing - 0.02), "right"),
+        "$R$": ((middle + touch) / 2 + (0.0, 0.03 * distance), "left"),
+        "$z$": (np.array((-0.02 * distance, 0.8 * deep)), "right"),
+        "lens": (np.array((-0.03 * distance, 0.0)), "right"),
+    }
+    for word, (at, side) in words.items():
+        ax.text(*at, f" {word} ", ha=side, va="center")
+    ax.plot(0, 0, "^", color=TRUTH, markersize=9)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    return fig
+
+
+def _ahead(far: ArrayLike, turned: ArrayLike) -> FloatArray:
+    """A place seen from the lens, drawn with the camera's axis upwards and right to the right."""
+    return np.array(far * np.array([np.sin(turned), np.cos(turned)]))
+
+
+@styled()
 def plot_sightings(
     seen: Mapping[str, Sequence[Sighting]],
     colours: Sequence[str],
