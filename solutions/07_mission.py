@@ -439,10 +439,10 @@ choose_ball = check("mission.choose_ball")
 
 
 # %%
-def draw_choice(x, y, turned, balls):
+def draw_choice(x, y, turned_deg, balls):
     """Balls of some pile, and the way that your function chooses."""
     pile = games.some_balls(np.random.default_rng(5), int(balls))
-    pose = np.array([x, y, np.radians(turned)])
+    pose = np.array([x, y, np.radians(turned_deg)])
     way = choose_ball(pile, "red", pose, games.STORAGE)
     fig = missions.draw_choice(pile, pose, way)
     said = (
@@ -451,7 +451,7 @@ def draw_choice(x, y, turned, balls):
     return fig, f"{len(pile)} balls; of the red ones {said} is chosen."
 
 
-places = {"x": (2.0, 4.4, 0.1, 3.6), "y": (8.8, 11.2, 0.1, 10.0), "turned": (-180, 180, 5, 180)}
+places = {"x": (2.0, 4.4, 0.1, 3.6), "y": (8.8, 11.2, 0.1, 10.0), "turned_deg": (-180, 180, 5, 180)}
 explore(draw_choice, **places, balls=(2, 16, 1, 9))
 
 # %% [markdown]
