@@ -108,7 +108,7 @@ for row in table.rows:
 
 # %% [markdown]
 # The table is data. It can be counted, searched, drawn. Drawn here are the jumps that the match above
-# took; the more often, the thicker. All others wait for trouble.
+# took; the more often, the thicker. The other rows are there for what did not happen in it.
 
 # %%
 way = [state for _, state, _ in first.history]
