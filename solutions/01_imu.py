@@ -16,7 +16,7 @@ import numpy as np
 
 from robocon_course import files, geometry, imu, worlds
 from robocon_course.autopilot import attitude_angles
-from robocon_course.exercises import answer, begin, check, robot_parts, status
+from robocon_course.exercises import answer, begin, check, hint, robot_parts, status
 from robocon_course.view import explore, figure, pictures, plots, show
 
 student = begin("imu", student=None)  # None: the number you gave in chapter 00

@@ -16,7 +16,7 @@ import numpy as np
 
 from robocon_course import geometry, odometry, simulator, worlds
 from robocon_course.autopilot import dead_reckoning
-from robocon_course.exercises import answer, begin, check, robot_parts, status
+from robocon_course.exercises import answer, begin, check, hint, robot_parts, status
 from robocon_course.robot import DEAD_WHEELS
 from robocon_course.view import animate, explore, figure, pictures, plots, show
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from robocon_course import geometry, swerve, worlds
 from robocon_course.autopilot import module_command
-from robocon_course.exercises import answer, begin, check, robot_parts, status
+from robocon_course.exercises import answer, begin, check, hint, robot_parts, status
 from robocon_course.robot import MODULES, Command
 from robocon_course.simulator import RobotModel, Simulator, warm_up
 from robocon_course.view import RobotPicture, animate, drive, explore, figure, pictures, plots, show

@@ -21,7 +21,7 @@ import numpy as np
 from matplotlib.patches import Rectangle
 
 from robocon_course import field, gridmap, planning, worlds
-from robocon_course.exercises import answer, begin, check, robot_parts, status
+from robocon_course.exercises import answer, begin, check, hint, robot_parts, status
 from robocon_course.files import data_file
 from robocon_course.gridmap import GridMap
 from robocon_course.robot import SIDE

@@ -25,7 +25,7 @@ from robocon_course.autopilot import (
     follow_step,
     module_command,
 )
-from robocon_course.exercises import answer, begin, check, robot_parts, status
+from robocon_course.exercises import answer, begin, check, hint, robot_parts, status
 from robocon_course.simulator import Simulator, warm_up
 from robocon_course.tracking import Cart, Faults, PidGains, PidLimits, PidState, TrackingSettings
 from robocon_course.view import animate, explore, figure, pictures, plots, show

@@ -426,11 +426,10 @@ def test_an_operator_starts_a_robot_sees_it_move_and_sends_it_to_retry(page, add
 
 
 PLAYED = """
-from robocon_course.robot import Bus
-from robocon_course.view.playing import play_live
+from robocon_course.view.playing import operate
 from robocon_course.worlds import Play
 
-screen = play_live(Play(seed=7, bus=Bus()), speed=2.0)
+operate(lambda bus: Play(seed=7, bus=bus), speed=2.0)
 """
 
 
@@ -442,7 +441,11 @@ def test_a_match_is_started_watched_and_sent_to_retry_from_the_operators_screen(
     run_own(page, address, workspace, "play", PLAYED)
     for command in ("application:toggle-left-area", "notebook:hide-cell-code"):
         page.evaluate("one => { jupyterapp.commands.execute(one) }", command)
+    before = page.locator("img[alt*='is not open yet']")
+    assert before.count() == 1 and page.locator(".rc-bar").count() == 0
+    page.locator("button.jupyter-button", has_text="Open the operator's screen").click()
     page.get_by_text("● connected").wait_for(timeout=120_000)
+    assert before.count() == 0, "the screen takes the picture's place"
     page.locator(".rc-bar").scroll_into_view_if_needed()
     page.locator("button.jupyter-button", has_text="Start").click()
     page.wait_for_function(BEYOND, arg=250)

@@ -6,6 +6,8 @@ A new chapter is held by these tests as soon as the registry knows it.
 from __future__ import annotations
 
 import hashlib
+import importlib
+import re
 from functools import cache
 
 import numpy as np
@@ -25,6 +27,10 @@ STUDENTS = (0, 7, 21306141022)
 ALL = list(registry.exercises().values())
 FUNCTIONS = [e for e in ALL if isinstance(e, Exercise)]
 NUMBERS = [e for e in ALL if isinstance(e, Number)]
+NAMED = "field geometry imu mission odometry planning swerve tracking vision worlds".split()
+ROOMS = {room: importlib.import_module(f"robocon_course.{room}") for room in NAMED}
+ROOMS["games"] = importlib.import_module("robocon_course.worlds.missions")
+"""Modules as the lessons call them."""
 MISTAKES = [(e, m) for e in ALL for m in e.mistakes]
 
 
@@ -77,6 +83,13 @@ def test_an_exercise_has_hints_and_mistakes_with_words(exercise):
     assert len(set(names)) == len(names), "a name belongs to one mistake"
     assert all(m.message.strip().endswith(".") for m in exercise.mistakes)
     assert exercise.points > 0 and exercise.title
+
+
+@pytest.mark.parametrize("exercise", ALL, ids=name)
+def test_what_a_hint_or_a_message_names_is_there(exercise):
+    for words in (*exercise.hints, *(mistake.message for mistake in exercise.mistakes)):
+        for room, thing in re.findall(rf"\b({'|'.join(ROOMS)})\.(\w+)", words):
+            assert hasattr(ROOMS[room], thing), f"{room}.{thing} in {words!r}"
 
 
 @pytest.mark.parametrize("exercise", FUNCTIONS, ids=name)

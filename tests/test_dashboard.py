@@ -294,6 +294,16 @@ def test_without_a_picture_detections_are_drawn_on_an_empty_one(match):
     assert "silos from the left: B, RB" in match.say("/camera/detections", found).text("camera")
 
 
+def test_without_a_picture_what_was_found_long_ago_is_not_drawn_over_what_is_found_now(match):
+    box, sure = np.array([[20.0, 60, 60, 120]]), np.array([0.9])
+    for time, kind, label in ((1.0, "silo", "RB"), (1.2, "ball", "red")):
+        match.say("/camera/detections", messages.Detection2DArray(time, kind, box, sure, (label,)))
+    assert "RB" in match.text("camera") and "1 red" in match.text("camera")
+    later = messages.Detection2DArray(3.0, "ball", box, sure, ("blue",))
+    words = match.say("/camera/detections", later).text("camera")
+    assert "1 blue" in words and "RB" not in words
+
+
 def test_clock_and_score_are_the_referee_s(match):
     assert match.text("status").endswith("--:--")
     match.say("/score", messages.Score(58.8, 30, 20, 121.2))
@@ -316,6 +326,25 @@ def test_the_log_keeps_the_last_200_lines_newest_first_and_counts_what_is_bad(ma
     assert re.findall(r"line (\d+);", words) == [str(k) for k in range(249, 49, -1)]
     assert "00:24.9 info: line 249;" in words and "00:24.8 error: line 248;" in words
     assert "83 warnings" in match.text("status") and "83 errors" in match.text("status")
+
+
+def test_what_is_told_on_two_topics_is_one_line_of_the_log_but_warnings_are_counted(match):
+    match.say("/mission/state", messages.State(4.0, "drive", "start"))
+    match.say("/rosout", messages.Log(4.0, "info", "drive: start"))
+    assert match.text("events").count("drive: start") == 1
+    match.say("/rosout", messages.Log(9.0, "info", "drive: start"))
+    assert match.text("events").count("drive: start") == 2, "later it is another event"
+    for _ in range(2):
+        match.say("/rosout", messages.Log(9.0, "warning", "own: foul"))
+    assert match.text("events").count("own: foul") == 2 and "2 warnings" in match.text("status")
+
+
+def test_numbers_that_are_for_a_recording_are_not_shown(match):
+    match.say("/operator", messages.Button("set_up", "blue -0.0136592 1 1"))
+    match.say("/operator", messages.Button("colour", "blue"))
+    words = match.text("events")
+    assert "operator: set_up" in words and "operator: colour blue" in words
+    assert "0.0136592" not in words
 
 
 # --- the mission's states ---------------------------------------------------------------------

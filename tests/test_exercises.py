@@ -108,7 +108,11 @@ STATE = imu.MahonyState(np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(3))
             imu.GyroCalibration(np.ones(3), np.ones(3)),
             "bias: expected 1 m, got 1.5 m",
         ),
-        ((np.ones(2), np.zeros(2)), (np.ones(2), np.ones(2)), "1: expected 1 m, got 0 m at entry"),
+        (
+            (np.ones(2), np.zeros(2)),
+            (np.ones(2), np.ones(2)),
+            "result 2 of 2: expected 1 m, got 0 m at entry",
+        ),
         (np.array(3.0), (np.ones(2), np.ones(2)), "expected 2 results, got a number"),
         (STATE, STATE._replace(integral=np.ones(3)), "integral: expected 1 m, got 0 m at entry"),
         (tuple(STATE), STATE, "expected imu.MahonyState(quaternion=…, integral=…), got a tuple"),

@@ -188,6 +188,13 @@ def test_a_stub_has_the_references_arguments_and_a_description(name):
 
 
 @by_lesson
+def test_whoever_is_stuck_can_type_what_the_verdict_says(name):
+    tree = ast.parse((ROOT / "solutions" / f"{name}.py").read_text("utf-8"))
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    assert "hint" in {one.name for node in imports for one in node.names}
+
+
+@by_lesson
 def test_a_code_cell_is_short_enough_to_read(name):
     for cell in read(SOLVED[name]).cells:
         if cell.cell_type == "code":

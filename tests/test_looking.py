@@ -56,17 +56,31 @@ def test_each_place_is_drawn_where_it_lies_in_the_square():
     scores[8 * 2 + 5] = 0.9  # the fine grid: row 2, column 5
     scores[64 + 16 + 3] = 0.8  # the coarse one: row 1, column 1
     fig = looking.plot_places(np.full((1, 3, 64, 64), 0.5, np.float32), scores)
-    fine, middle, coarse = (ax.images[1].get_array() for ax in fig.axes)
+    fine, middle, coarse = (ax.images[1].get_array() for ax in fig.axes[:3])
     assert (fine.shape, middle.shape, coarse.shape) == ((8, 8), (4, 4), (2, 2))
     assert fine[2, 5] == 0.9 and fine.count() == 1
     assert middle.count() == 0
     assert coarse[1, 1] == 0.8 and coarse.count() == 1
+    assert fig.axes[3].get_ylabel() == "best score"
 
 
 def test_the_pinhole_says_how_many_pixels_a_ball_has():
     said = [t.get_text() for t in looking.plot_pinhole(1.0, 277.0, 0.095).axes[0].texts]
     ends = Camera(focal=277.0, distortion=0.0).pixels([[0, -0.095, 1.0], [0, 0.095, 1.0]])
     assert f"picture: {np.ptp(ends[:, 1]):.0f} pixels" in said
+
+
+def test_the_looks_touch_the_ball_and_the_radius_ends_where_they_do():
+    (ax,) = looking.plot_touching_looks(0.45, 0.6, 0.095).axes
+    (ball,) = ax.patches
+    lines = {line.get_color(): line.get_xydata() for line in ax.lines}
+    for line in ax.lines[:2]:
+        _, end = line.get_xydata()
+        gap = abs(end[0] * ball.center[1] - end[1] * ball.center[0]) / np.hypot(*end)
+        assert gap == pytest.approx(0.095)
+    middle, touch = lines[canvas.WARN]
+    assert np.hypot(*(touch - middle)) == pytest.approx(0.095)
+    assert touch @ (touch - middle) == pytest.approx(0.0, abs=1e-12), "a right angle"
 
 
 def test_balls_to_the_left_are_drawn_on_the_left_and_errors_in_centimetres():

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from itertools import pairwise, permutations
 from math import pi
 
 import numpy as np
 import pytest
+from matplotlib.patches import FancyArrowPatch
 
 from robocon_course import mission, view, worlds
 from robocon_course._arrays import CourseError
@@ -18,6 +21,7 @@ from robocon_course.exercises.model import Outcome
 from robocon_course.exercises.source import Answer
 from robocon_course.mission import Fact, Facts, Room
 from robocon_course.simulator.match import Fault
+from robocon_course.view import lanes
 from robocon_course.view import missions as drawn
 from robocon_course.worlds import missions
 
@@ -229,8 +233,40 @@ def test_a_picture_of_the_mission_is_drawn(name):
 
 def test_a_diagram_shows_every_state_once():
     fig = drawn.draw_states(missions.PRINTED, start="start reset")
-    names = [text.get_text() for text in fig.axes[0].texts]
+    names = [text.get_text().replace("\n", " ") for text in fig.axes[0].texts]
     assert sorted(names) == sorted({state for edge in missions.PRINTED for state in edge})
+
+
+def test_the_more_often_a_jump_the_thicker_its_arrow():
+    fig = drawn.draw_states({("a", "b"): 1, ("b", "a"): 7}, start="a")
+    once, often = (p.get_linewidth() for p in fig.axes[0].patches if isinstance(p, FancyArrowPatch))
+    assert 0 < once < often
+
+
+GRID = [(column, row) for column in range(4) for row in range(5)]
+
+
+def inside(points: np.ndarray, place: tuple[int, int]) -> np.ndarray:
+    """Which points lie within a box, its rim left out."""
+    away = np.abs(points - lanes.middle(place))
+    return (away < (lanes.WIDE / 2 - 1e-9, lanes.TALL / 2 - 1e-9)).all(axis=1)
+
+
+def test_no_arrow_crosses_a_box_and_each_ends_at_its_own():
+    used = Counter()  # as in one crowded figure
+    for source, target in permutations(GRID, 2):
+        way = np.array(lanes._way(source, target, used))
+        share = np.linspace(0.0, 1.0, 41)[:, None]
+        points = np.vstack([one + share * (other - one) for one, other in pairwise(way)])
+        assert not any(inside(points, place).any() for place in GRID), (source, target)
+        for end, place in ((way[0], source), (way[-1], target)):
+            away = np.abs(end - lanes.middle(place)) - (lanes.WIDE / 2, lanes.TALL / 2)
+            assert away.max() == pytest.approx(0.0, abs=1e-9), (source, target)
+
+
+def test_an_arrow_from_a_box_to_itself_is_refused():
+    with pytest.raises(ValueError, match="expected two boxes"):
+        drawn.draw_states([("a", "a")], start="a")
 
 
 # --- other ways to say the same -------------------------------------------------------------------

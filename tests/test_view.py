@@ -788,6 +788,15 @@ def test_show_makes_one_line_of_the_twin(notebook, capsys):
     assert capsys.readouterr().out == "Figure: A line that rises from 1 to 2 m.\n"
 
 
+def test_a_long_twin_is_printed_in_lines_that_end_between_words(notebook, capsys):
+    long = "Balls: " + ", ".join(f"{k}.{k:02d} m" for k in range(40)) + "."
+    view.show(line()[0], long)
+    printed = capsys.readouterr().out
+    assert all(len(one) <= 100 for one in printed.splitlines()) and printed.count("\n") > 2
+    assert " ".join(printed.split()) == f"Figure: {long}"
+    assert notebook.messages[0][0]["text/plain"] == long, "a screen reader hears one line"
+
+
 @pytest.mark.parametrize("twin", ["", "   \n  ", "too short", None, 3.0])
 def test_show_refuses_a_twin_that_says_nothing(notebook, capsys, twin):
     with pytest.raises(ValueError, match="twin: expected a line of at least 20 characters"):

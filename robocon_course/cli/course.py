@@ -21,7 +21,9 @@ def lab(
     folder: Annotated[
         Path | None, typer.Argument(help="Workspace to open or make; default ./robocon.")
     ] = None,
-    no_browser: Annotated[bool, typer.Option(help="Start the server without a browser.")] = False,
+    no_browser: Annotated[
+        bool, typer.Option("--no-browser", help="Start the server without a browser.")
+    ] = False,
 ) -> None:
     """Open the course in JupyterLab.
 

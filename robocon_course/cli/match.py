@@ -52,10 +52,12 @@ def match(
         from robocon_course.robot import Bus
         from robocon_course.simulator import warm_up
 
+        settings = _settings(opponent, team, strategy) | {"drawn": camera}
+        if record is not None and record.exists() and not record.is_dir():
+            raise CourseError(f"--record: expected a folder, {record} is a file")
         parts, number = _parts(mine)
         console.print(f"Robot of student {number}, parts: {escape(parts().label)}, seed {seed}")
         warm_up(console.print)
-        settings = _settings(opponent, team, strategy) | {"drawn": camera}
         bus = Bus() if record is not None else None
         with _recording(record, bus), shares("playing") as share:
             result = worlds.play_match(
@@ -102,10 +104,10 @@ def season(
         from robocon_course import worlds
         from robocon_course.simulator import warm_up
 
+        settings = _settings(opponent, team, strategy) | {"drawn": camera}
         parts, number = _parts(mine)
         console.print(f"Robot of student {number}, parts: {escape(parts().label)}")
         warm_up(console.print)
-        settings = _settings(opponent, team, strategy) | {"drawn": camera}
         with _mapping(workers, scheduler, patience) as run, progress("playing", seeds) as done:
             results = worlds.season(
                 range(first, first + seeds), number, parts, run=run,
@@ -135,6 +137,9 @@ def replay(
         raise typer.Exit(WRONG)
 
 
+ENDED = {"own": "won by", "theirs": "lost by", "nobody": "drawn by"}
+
+
 def season_table(results: Iterable[MatchResult]) -> Table:
     """All matches in one table, and their sums below."""
     results = list(results)
@@ -143,7 +148,7 @@ def season_table(results: Iterable[MatchResult]) -> Table:
         table.add_column(name, justify="left" if name == "result" else "right")
     for one in results:
         table.add_row(
-            str(one.seed), f"{one.winner}, {one.reason}", f"{one.ended:.0f} s",
+            str(one.seed), f"{ENDED[one.winner]} {one.reason}", f"{one.ended:.0f} s",
             f"{one.points} : {one.their_points}", str(one.stored), str(one.fouls),
             str(one.contacts), f"{1000 * one.error:.0f} mm",
         )  # fmt: skip
@@ -170,10 +175,18 @@ def _told(result: MatchResult) -> None:
 
 
 def _settings(opponent: str, team: str, strategy: str | None) -> dict:
-    from robocon_course.mission import STRATEGIES
+    """What was asked for, refused before anything is compiled or played."""
+    from robocon_course.mission import LETTERS, STRATEGIES
+    from robocon_course.simulator.referee import OPPONENTS
 
-    if strategy is not None and strategy not in STRATEGIES:
-        raise CourseError(f"strategy: expected one of {', '.join(STRATEGIES)}, got {strategy!r}")
+    for name, got, known in (
+        ("opponent", opponent, [*OPPONENTS, "none"]),
+        ("team", team, LETTERS),
+        ("strategy", strategy, [*STRATEGIES, None]),
+    ):
+        if got not in known:
+            words = ", ".join(one for one in known if one is not None)
+            raise CourseError(f"--{name}: expected one of {words}, got {got!r}")
     return {
         "opponent": None if opponent == "none" else opponent, "team": team, "strategy": strategy,
     }  # fmt: skip

@@ -20,9 +20,9 @@ VISION = ("torch", "torchvision", "ultralytics", "onnx")
 app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
-    rich_markup_mode="rich",
+    rich_markup_mode="markdown",
     help="Build a competition robot's autonomy, chapter by chapter.\n\n"
-    "Students start with [bold]robocon lab[/bold]; if anything is odd, [bold]robocon doctor[/bold] "
+    "Students start with **robocon lab**; if anything is odd, **robocon doctor** "
     "says what and how to mend it.\n\n"
     "Exit codes: 0 fine, 1 wrong answers or drift, 2 unusable input.",
 )

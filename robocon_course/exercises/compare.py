@@ -100,7 +100,7 @@ def _sequence(got: Any, expected: tuple | list, atol: float, unit: str) -> str |
     for number, (one, wanted) in enumerate(zip(got, expected, strict=True)):
         found = difference(one, wanted, atol, unit)
         if found:
-            return f"{number}: {found}"
+            return f"result {number + 1} of {len(expected)}: {found}"
     return None
 
 

@@ -6,7 +6,7 @@ the plots of the chapters, ``field_picture`` the field with robots (``body``) an
 a detector is, ``looking`` films, places, and balls from above. ``comparison`` is the picture of a
 wrong answer, ``pictures`` the three big drawings, ``widgets`` the sliders, ``driving`` a robot
 under one's own hands, ``matches`` a match as film and figure, ``dashboard`` the screen of its
-operator, and ``playing`` a match in real time behind it.
+operator, ``playing`` a match in real time behind it, and ``lanes`` arrows between boxes.
 """
 
 from robocon_course.view.animation import animate

@@ -14,6 +14,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from textwrap import fill
 from typing import Any
 
 import matplotlib
@@ -60,6 +61,8 @@ STYLE = {
     "legend.frameon": False,
 }
 SHORTEST_TWIN = 20
+PRINTED = 100
+"""Characters in a printed line: as many as fit beside the file list of a small laptop's screen."""
 
 
 class Panel(Axes):
@@ -178,7 +181,10 @@ def show(figure: Figure | Animation, twin: str) -> None:
         No figure, or a twin that is empty or shorter than 20 characters.
     """
     publish(figure, twin)
-    print(f"Figure: {one_line(twin)}")
+    # JupyterLab breaks what is printed anywhere, between the digits of a number as well.
+    print(
+        fill(f"Figure: {one_line(twin)}", PRINTED, break_long_words=False, break_on_hyphens=False)
+    )
 
 
 def publish(

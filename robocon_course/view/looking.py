@@ -15,7 +15,7 @@ from PIL import Image, ImageDraw
 from robocon_course._arrays import FloatArray
 from robocon_course.view.canvas import MINE, RAW, TRUTH, WARN, Animation, figure, packed, styled
 from robocon_course.view.raster import font
-from robocon_course.view.seeing import FRAME, GLOW, PAINT
+from robocon_course.view.seeing import FRAME, GLOW, PAINT, tag
 from robocon_course.vision.classes import BALLS
 from robocon_course.vision.detection import Detections
 from robocon_course.vision.locate import Sighting
@@ -75,7 +75,7 @@ def _frame(
         colour = GLOW.get(names[int(k)], FRAME)
         left, top, right, bottom = (round(float(side)) for side in box)
         pen.rectangle((left, top, max(left, right - 1), max(top, bottom - 1)), outline=colour)
-        words = f"{score:.2f}" if names[int(k)] in GLOW else f"{names[int(k)]} {score:.2f}"
+        words = tag(names[int(k)], score)
         if right - left > 0.05 * width:
             at = (left, max(10, top))
             pen.rectangle(pen.textbbox(at, words, font(9), anchor="lb"), fill=colour)
@@ -96,7 +96,7 @@ def plot_places(tensor: NDArray[np.float32], scores: FloatArray) -> Figure:
         The best score of each place, grid by grid, row by row.
     """
     height, width = tensor.shape[2:]
-    fig, axes = figure(6.6, 2.45, len(STRIDES))
+    fig, axes = figure(7.4, 2.15, len(STRIDES))
     start = 0
     for stride, ax in zip(STRIDES, axes, strict=True):
         rows, columns = height // stride, width // stride
@@ -105,9 +105,11 @@ def plot_places(tensor: NDArray[np.float32], scores: FloatArray) -> Figure:
         ax.imshow(tensor[0].transpose(1, 2, 0).mean(axis=2), cmap="gray", vmin=-0.2, vmax=1.6)
         heat = np.ma.masked_less(grid, 0.05)
         around = (0, width, height, 0)
-        ax.imshow(heat, cmap="autumn_r", vmin=0, vmax=1, extent=around, interpolation="nearest")
+        shown = {"cmap": "plasma", "vmin": 0, "vmax": 1, "interpolation": "nearest"}
+        painted = ax.imshow(heat, extent=around, **shown)
         ax.set_title(f"{columns} × {rows} places", fontsize=9)
         ax.set_axis_off()
+    fig.colorbar(painted, ax=axes, label="best score", shrink=0.8, aspect=12, ticks=[0, 0.5, 1])
     return fig
 
 
@@ -122,7 +124,7 @@ def plot_pinhole(distance: float, focal: float, radius: float) -> Figure:
     focal : float  [pixels]
     radius : float  [m]
     """
-    fig, ax = figure(6.4, 2.3)
+    fig, ax = figure(6.0, 2.6)
     plane = 0.3  # where the picture is drawn; true to shape, not to scale
     ax.add_patch(Circle((distance, 0), radius, facecolor=PAINT["red"], alpha=0.85))
     for sign in (-1, 1):
@@ -134,18 +136,68 @@ def plot_pinhole(distance: float, focal: float, radius: float) -> Figure:
     pixels = 2 * radius / distance * focal
     notes = {
         "lens": (0.0, -0.07),
-        f"picture: {pixels:.0f} pixels": (plane, -0.22),
-        f"ball: {2 * radius:.2f} m": (distance, -radius - 0.06),
+        f"picture: {pixels:.0f} pixels": (plane, -0.18),
+        f"ball: {2 * radius:.2f} m": (distance, -radius - 0.04),
     }
     for words, at in notes.items():
         ax.text(*at, words, ha="center", va="top")
-    ax.annotate("", (plane, 0.2), (0, 0.2), arrowprops={"arrowstyle": "<->", "color": TRUTH})
-    ax.text(plane / 2, 0.215, "f", ha="center", va="bottom")
-    ax.annotate("", (distance, 0.2), (0, 0.2), arrowprops={"arrowstyle": "<->", "color": RAW})
-    ax.text((plane + distance) / 2, 0.215, f"z = {distance:.2f} m", ha="center", va="bottom")
-    ax.set(xlim=(-0.1, max(1.3, distance + 0.3)), ylim=(-0.3, 0.3), aspect="equal")
+    for end, high, words in (
+        (plane, 0.2, f"f = {focal:.0f} pixels"),
+        (distance, 0.32, f"z = {distance:.2f} m"),
+    ):
+        arrow = {"arrowstyle": "<->", "color": TRUTH, "shrinkA": 0, "shrinkB": 0}
+        ax.annotate("", (end, high), (0, high), arrowprops=arrow)
+        ax.text(end / 2, high + 0.015, words, ha="center", va="bottom")
+        ax.plot([0, 0, np.nan, end, end], [0, high, np.nan, 0, high], ":", color=RAW, lw=0.8)
+    ax.set(xlim=(-0.12, distance + 0.2), ylim=(-0.26, 0.4), aspect="equal")
     ax.set_axis_off()
     return fig
+
+
+@styled()
+def plot_touching_looks(bearing: float, distance: float, radius: float) -> Figure:
+    """From above: the looks at both edges of a ball touch it, and it lies halfway between them.
+
+    Parameters
+    ----------
+    bearing : float  [rad]
+        Of the ball's middle, to the right of the camera's axis.
+    distance : float  [m]
+    radius : float  [m]
+    """
+    half = float(np.arcsin(radius / distance))
+    fig, ax = figure(5.2, 3.4)
+    middle, deep = _ahead(distance, bearing), distance * np.cos(bearing)
+    ax.add_patch(Circle(tuple(middle), radius, facecolor=PAINT["red"], alpha=0.35, linewidth=0))
+    for angle in (bearing - half, bearing + half):
+        ax.plot(*zip((0.0, 0.0), _ahead(1.12 * distance, angle), strict=True), color=MINE, lw=1.6)
+    touch = _ahead(distance * np.cos(half), bearing + half)
+    ax.plot(*zip((0.0, 0.0), middle, strict=True), "--", color=TRUTH, linewidth=1.2)
+    ax.plot(*zip(middle, touch, strict=True), color=WARN, linewidth=2.0)
+    ax.plot([0, 0], [0, 1.12 * distance], color=RAW, linewidth=1.0)
+    ax.plot([0, middle[0]], [deep, deep], ":", color=RAW, linewidth=1.2)
+    for at, turn in ((0.66, bearing - half), (0.5, bearing), (0.34, bearing + half)):
+        ax.plot(*_ahead(at * distance, np.linspace(0.0, turn, 40)), color=RAW, linewidth=0.9)
+    words = {
+        "$a_\\mathrm{left}$": (_ahead(0.71 * distance, (bearing - half) / 2), "center"),
+        "$a$": (_ahead(0.54 * distance, bearing / 3), "center"),
+        "$a_\\mathrm{right}$": (_ahead(0.34 * distance, bearing + half + 0.05), "left"),
+        "$\\rho$": (_ahead(0.8 * distance, bearing - 0.02), "right"),
+        "$R$": ((middle + touch) / 2 + (0.0, 0.03 * distance), "left"),
+        "$z$": (np.array((-0.02 * distance, 0.8 * deep)), "right"),
+        "lens": (np.array((-0.03 * distance, 0.0)), "right"),
+    }
+    for word, (at, side) in words.items():
+        ax.text(*at, f" {word} ", ha=side, va="center")
+    ax.plot(0, 0, "^", color=TRUTH, markersize=9)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    return fig
+
+
+def _ahead(far: ArrayLike, turned: ArrayLike) -> FloatArray:
+    """A place seen from the lens, drawn with the camera's axis upwards and right to the right."""
+    return np.array(far * np.array([np.sin(turned), np.cos(turned)]))
 
 
 @styled()
@@ -165,7 +217,7 @@ def plot_sightings(
         True bearings and ranges.
     """
     truth = np.asarray(truth, float).reshape(-1, 2)
-    fig, (above, error) = figure(8.4, 3.9, 2, width_ratios=(1, 1.15))
+    fig, (above, error) = figure(8.4, 3.7, 2, width_ratios=(1, 1.3))
     _from_above(above, seen, colours, truth)
     styles = dict(zip(seen, "osD^", strict=False))
     for k, (name, sightings) in enumerate(seen.items()):
@@ -198,7 +250,7 @@ def _from_above(
         ax.plot(*ends.T, color=WARN, linewidth=2)
     ax.plot([], [], "+", color=TRUTH, label=name)
     ax.plot([], [], color=WARN, linewidth=2, label="± 2 deviations")
-    ax.plot(0, 0, "^", color=TRUTH, markersize=10)
+    ax.plot(0, 0, "^", color=TRUTH, markersize=10, linestyle="", label="lens")
     half = 0.35 * truth[:, 1].max()
     ax.set(xlabel="to the right [m]", ylabel="ahead [m]", xlim=(-half, half), aspect="equal")
-    ax.legend(loc="lower right", fontsize=8)
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=9)

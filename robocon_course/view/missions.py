@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, FancyArrowPatch, FancyBboxPatch
+from matplotlib.patches import Circle
 from numpy.typing import ArrayLike
 
 from robocon_course.field import BALL_DIAMETER, SILO_CAPACITY
@@ -15,6 +15,7 @@ from robocon_course.mission import Approach, SeenBall
 from robocon_course.robot import SIDE
 from robocon_course.view.canvas import MINE, RAW, REFERENCE, TRUTH, WARN, XYZ, figure, styled
 from robocon_course.view.field_picture import draw_field
+from robocon_course.view.lanes import STEP, arrows, box_at, middle
 
 BALL = {"R": "#C62828", "B": "#1565C0"}
 """Of the balls of both teams."""
@@ -28,10 +29,6 @@ KINDS = {
     "end": (TRUTH, ("finished",)),
 }
 """Colour of each kind of state, and which states are of it."""
-WIDE, TALL = 1.62, 0.34
-"""Of a box [inch]."""
-STEP = 2.15
-"""From one box to the next in its row [inch]."""
 
 
 def kind_of_state(state: str) -> str:
@@ -41,7 +38,7 @@ def kind_of_state(state: str) -> str:
 
 @styled()
 def draw_states(
-    edges: Iterable[tuple[str, str]],
+    edges: Iterable[tuple[str, str]] | Mapping[tuple[str, str], int],
     *,
     start: str,
     dead: Iterable[str] = (),
@@ -53,7 +50,8 @@ def draw_states(
 
     Parameters
     ----------
-    edges : iterable of (source, target)
+    edges : iterable of (source, target), or a mapping of these to how often
+        The more often, the thicker.
     start : str
         Its box has a thick rim.
     dead, unreached : iterable of str
@@ -67,60 +65,45 @@ def draw_states(
     -------
     Figure
     """
-    edges = list(dict.fromkeys((str(s), str(t)) for s, t in edges))
-    names = list(dict.fromkeys([start, *(state for edge in edges for state in edge)]))
-    rows = -(-len(names) // columns)
-    fig, ax = figure(8.2, 0.5 + 0.88 * rows)
+    counted = edges if isinstance(edges, Mapping) else dict.fromkeys(edges, 1)
+    often = {(str(s), str(t)): count for (s, t), count in counted.items()}
+    names = list(dict.fromkeys([str(start), *(state for edge in often for state in edge)]))
     places = {name: _place(k, columns) for k, name in enumerate(names)}
+    rows = -(-len(names) // columns)
+    fig, ax = figure(8.2, 0.2 + 0.88 * rows)
     dead, unreached = set(map(str, dead)), set(map(str, unreached))
-    boxes = {}
     for name, place in places.items():
         colour = WARN if name in dead else RAW if name in unreached else TRUTH
-        boxes[name] = _box(ax, name, place, colour, filled=name == live, broken=name in unreached)
-        boxes[name].set_linewidth(2.8 if name == start else 1.4)
-    for source, target in edges:
-        _arrow(ax, boxes[source], boxes[target], places[source], places[target])
-    ax.set(xlim=(-1.0, STEP * columns - 1.2), ylim=(-0.95 * (rows - 1) - 0.5, 0.6))
+        _box(ax, name, place, colour, filled=name == str(live), broken=name in unreached)
+        ax.patches[-1].set_linewidth(2.8 if name == str(start) else 1.4)
+    widths = [0.9 + 0.25 * min(count, 9) for count in often.values()]
+    arrows(ax, [(places[s], places[t]) for s, t in often], widths)
+    wide, tall = STEP
+    ax.set(xlim=(-1.25, wide * (columns - 1) + 1.25), ylim=(-tall * (rows - 0.5), 0.6 * tall))
     ax.set_aspect("equal")
     ax.axis("off")
     return fig
 
 
-def _place(k: int, columns: int) -> tuple[float, float]:
+def _place(k: int, columns: int) -> tuple[int, int]:
     row, column = divmod(k, columns)
-    return STEP * (column if row % 2 == 0 else columns - 1 - column), -0.95 * row
+    return (column if row % 2 == 0 else columns - 1 - column), row
 
 
 def _box(
-    ax: Axes, name: str, place: tuple[float, float], colour: str, *, filled: bool, broken: bool
-) -> FancyBboxPatch:
-    x, y = place
-    box = FancyBboxPatch(
-        (x - WIDE / 2, y - TALL / 2), WIDE, TALL, boxstyle="round,pad=0.02,rounding_size=0.1",
-        facecolor="#FFB000" if filled else "white", edgecolor=colour, zorder=3,
+    ax: Axes, name: str, place: tuple[int, int], colour: str, *, filled: bool, broken: bool
+) -> None:
+    box = box_at(
+        place, facecolor="#FFB000" if filled else "white", edgecolor=colour, zorder=3,
         linestyle="--" if broken else "-",
     )  # fmt: skip
     ax.add_patch(box)
-    words = {"ha": "center", "va": "center", "fontsize": 8, "zorder": 5}
-    ax.text(x, y, name.replace("_", " "), color=TRUTH if filled else colour, **words)
-    return box
-
-
-def _arrow(
-    ax: Axes,
-    source: FancyBboxPatch,
-    target: FancyBboxPatch,
-    one: tuple[float, float],
-    other: tuple[float, float],
-) -> None:
-    """From the rim of one box to that of the other."""
-    beside = max(abs(one[0] - other[0]) / STEP, abs(one[1] - other[1]) / 0.95) < 1.1
-    arrow = FancyArrowPatch(
-        one, other, arrowstyle="-|>", mutation_scale=11, color="#666666", linewidth=1.1,
-        connectionstyle=f"arc3,rad={0.10 if beside else 0.22}", patchA=source, patchB=target,
-        shrinkA=1, shrinkB=1, zorder=2.5,
-    )  # fmt: skip
-    ax.add_patch(arrow)
+    words = name.replace("_", " ")
+    if len(words) > 20:  # two lines
+        cut = words.rindex(" ", 0, 16)
+        words = f"{words[:cut]}\n{words[cut + 1 :]}"
+    style = {"ha": "center", "va": "center", "fontsize": 9, "zorder": 5, "linespacing": 0.95}
+    ax.text(*middle(place), words, color=TRUTH if filled or not broken else "#666666", **style)
 
 
 @styled()
@@ -248,6 +231,7 @@ def draw_choice(balls: Sequence[SeenBall], pose: ArrayLike, way: Approach | None
     """
     pose = np.asarray(pose, float)
     fig = draw_field(robot=pose, window=(0.0, 5.0, 8.0, 12.0))
+    fig.set_size_inches(5.6, 4.5)  # four sliders stand below it on a small laptop's screen
     ax = fig.axes[0]
     for ball in balls:
         colour = COLOURS[ball.colour]
@@ -259,6 +243,10 @@ def draw_choice(balls: Sequence[SeenBall], pose: ArrayLike, way: Approach | None
         ax.plot(*way.ready, "o", color="white", markeredgecolor=MINE, markersize=8, zorder=8)
         ax.plot(*way.take, "o", color=MINE, markersize=8, zorder=8)
         robot_at(ax, (*way.take, way.heading))
+        pad = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
+        for word, at in (("ready", way.ready), ("take", way.take)):
+            place = {"xytext": (0, -16), "textcoords": "offset points", "ha": "center"}
+            ax.annotate(word, at, **place, color=MINE, zorder=9, bbox=pad)
     return fig
 
 

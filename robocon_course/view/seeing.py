@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,8 @@ PAINT = {"blue": "#2D6CDF", "purple": "#A64FB0", "red": "#E0334A"}
 GLOW = {name: "#{2:02X}{1:02X}{0:02X}".format(*bgr) for name, bgr in COLOURS.items()}
 FRAME = "#{2:02X}{1:02X}{0:02X}".format(*OTHER)
 """The same on a picture, and the frame of silos: as the contact sheet has them."""
+STROKES = ("-", "--", ":")
+"""Of lines side by side: red and purple, orange and green are one colour to many eyes."""
 
 
 @styled()
@@ -48,6 +51,7 @@ def draw_picture(
     height, across = image_bgr.shape[:2]
     fig, ax = figure(width, width * height / across + (0.3 if title else 0.0))
     _picture(ax, image_bgr, found, names, title)
+    _untangle(fig)
     return fig
 
 
@@ -76,7 +80,7 @@ def gallery(
     """
     down = -(-len(images) // across)
     shape = max(image.shape[0] / image.shape[1] for image in images)
-    each = side * shape + (0.3 if titles else 0.06)
+    each = (side - 0.1) * shape + (0.32 if titles else 0.1)
     fig, axes = figure(across * side, down * each, across, down, squeeze=False)
     for k, ax in enumerate(axes.ravel()):
         if k < len(images):
@@ -84,6 +88,7 @@ def gallery(
             _picture(ax, images[k], seen, names, titles[k] if k < len(titles) else "")
         else:
             ax.set_axis_off()
+    _untangle(fig)
     return fig
 
 
@@ -99,11 +104,28 @@ def _picture(
         colour = GLOW.get(name, FRAME)
         corner, size = box[:2], box[2:] - box[:2]
         ax.add_patch(Rectangle(corner, *size, fill=False, edgecolor=colour, linewidth=1.2))
-        tag = f"{score:.2f}" if name in GLOW else f"{name} {score:.2f}"
         if size[0] > 0.06 * image.shape[1] and np.isfinite(score):
             place = {"va": "bottom"} if box[1] > 14 else {"va": "top"}
-            ax.text(*corner, tag, color="black", fontsize=6.5, clip_on=True, **place,
+            ax.text(*corner, tag(name, score), color="black", fontsize=6.5, clip_on=True, **place,
                     bbox={"facecolor": colour, "edgecolor": "none", "pad": 0.6})  # fmt: skip
+
+
+def tag(name: str, score: float) -> str:
+    """What stands at a box: a ball's first letter, as on a contact sheet, or a silo's filling."""
+    return f"{name[0] if name in GLOW else name} {score:.2f}"
+
+
+def _untangle(fig: Figure) -> None:
+    """Leave out each tag that would cover one before it; detections come surest first."""
+    fig.draw_without_rendering()
+    for ax in fig.axes:
+        kept: list[Any] = []
+        for words in ax.texts:
+            spot = words.get_window_extent()
+            if any(spot.overlaps(other) for other in kept):
+                words.set_visible(False)
+            else:
+                kept.append(spot)
 
 
 def as_truth(boxes: ArrayLike, class_ids: ArrayLike) -> Detections:
@@ -123,8 +145,10 @@ def plot_iou(a: ArrayLike, b: ArrayLike, iou: float) -> Figure:
     """
     a, b = np.asarray(a, float), np.asarray(b, float)
     fig, ax = figure(4.2, 2.9)
-    for box, colour in ((a, MINE), (b, REFERENCE)):
+    for name, box, colour in (("A", a, MINE), ("B", b, REFERENCE)):
         size = box[2:] - box[:2]
+        corner, side = (box[:2], "right") if name == "A" else (box[[2, 1]], "left")
+        ax.text(*corner, f" {name} ", color=colour, fontweight="bold", ha=side, va="top")
         ax.add_patch(Rectangle(box[:2], *size, facecolor=colour, alpha=0.25, linewidth=0))
         ax.add_patch(Rectangle(box[:2], *size, fill=False, edgecolor=colour, linewidth=2))
     low, high = np.maximum(a[:2], b[:2]), np.minimum(a[2:], b[2:])
@@ -146,8 +170,8 @@ def plot_precision_recall(curves: Mapping[str, tuple[FloatArray, FloatArray]]) -
     curves : mapping of name to (recall, precision)
     """
     fig, ax = figure(5.0, 3.4)
-    for name, (recall, precision) in curves.items():
-        ax.plot(recall, precision, color=PAINT.get(name), label=name, linewidth=1.8)
+    for (name, (recall, precision)), stroke in zip(curves.items(), cycle(STROKES), strict=False):
+        ax.plot(recall, precision, stroke, color=PAINT.get(name), label=name, linewidth=2.0)
     ax.set(xlabel="recall: found of what is there", ylabel="precision: right of what is said")
     ax.set(xlim=(0, 1.02), ylim=(0, 1.04))
     ax.legend(loc="lower left")
@@ -193,13 +217,13 @@ def plot_training(runs: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
         As `training.history` gives it: ``epoch``, ``box``, ``class``, ``dfl``, ``map50``.
     """
     fig, (loss, score) = figure(8.0, 3.1, 2)
-    for name, run in runs.items():
+    for (name, run), stroke in zip(runs.items(), cycle(STROKES), strict=False):
         total = run["box"] + run["class"] + run["dfl"]
-        loss.plot(run["epoch"], total, label=name, marker="o" if len(total) < 4 else "")
+        loss.plot(run["epoch"], total, stroke, label=name, marker="o" if len(total) < 4 else "")
         known = np.isfinite(run["map50"])
-        score.plot(run["epoch"][known], run["map50"][known], label=name, marker=".")
-    loss.set(xlabel="epoch", ylabel="loss, training", ylim=(0, None))
-    score.set(xlabel="epoch", ylabel="mAP at 0.5, validation", ylim=(0, 1.02))
+        score.plot(run["epoch"][known], run["map50"][known], stroke, label=name, marker=".")
+    loss.set(xlabel="epoch", title="loss on training pictures", ylim=(0, None))
+    score.set(xlabel="epoch", title="mAP at 0.5 on validation pictures", ylim=(0, 1.02))
     for ax in (loss, score):
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     if len(runs) > 1:
@@ -208,23 +232,26 @@ def plot_training(runs: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
 
 
 @styled()
-def plot_losses(history: Mapping[str, FloatArray]) -> Figure:
+def plot_losses(runs: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
     """Loss on the training and on the validation pictures: they part where it learns by heart.
 
     Parameters
     ----------
-    history : mapping
-        As `training.history` gives it.
+    runs : mapping of name to history
+        As `training.history` gives it; one panel each, to the same scale.
     """
-    fig, ax = figure(5.4, 3.1)
-    parts = ("box", "class", "dfl")
-    ax.plot(history["epoch"], sum(history[p] for p in parts), color=MINE, label="training")
-    unseen = sum(history[f"val_{p}"] for p in parts)
-    known = np.isfinite(unseen)
-    ax.plot(history["epoch"][known], unseen[known], color=WARN, label="validation")
-    ax.set(xlabel="epoch", ylabel="loss", ylim=(0, None))
-    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.legend()
+    fig, axes = figure(8.0, 3.1, len(runs), sharey=True, squeeze=False)
+    for ax, (name, run) in zip(axes[0], runs.items(), strict=True):
+        seen, unseen = (sum(run[of + p] for p in ("box", "class", "dfl")) for of in ("", "val_"))
+        known = np.isfinite(unseen)
+        ax.plot(run["epoch"], seen, color=MINE, label="training")
+        ax.plot(run["epoch"][known], unseen[known], "--", color=WARN, label="validation")
+        words = f"at the end: {seen[-1]:.1f} and {unseen[known][-1]:.1f}"
+        ax.text(0.98, 0.06, words, ha="right", transform=ax.transAxes)
+        ax.set(xlabel="epoch", ylim=(0, None), title=name)
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes[0, 0].set_ylabel("loss")
+    axes[0, -1].legend()
     return fig
 
 

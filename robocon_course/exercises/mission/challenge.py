@@ -91,8 +91,8 @@ MY_STRATEGY = Exercise(
         "ball, their pair nothing. Take the silo after which the sum over all five is greatest.",
         "Does the other team come before your next ball (rhythm.next < rhythm.every)? Put a ball "
         "of theirs where mission.order_b would, before you count. A third silo wins at once.",
-        "worlds.board_game and worlds.play_board let you try it on a season of your own, in a "
-        "tenth of a second.",
+        "Try it on a season of your own before you ask for the verdict: the cell below the check "
+        "makes one, and games.tally(games.board_season(my_strategy, season)).score counts it.",
     ),
     mistakes=(
         Mistake(

@@ -167,6 +167,14 @@ NEXT_TRANSITION = Exercise(
             _first_of_state,
         ),
         Mistake(
+            "only the first row of all",
+            "If the very first row does not match, the search ends. Go on to the next row: return "
+            "None behind the loop, not in an else.",
+            lambda rows, state, facts: next(
+                (row for row in rows[:1] if row.source == state and row.guard(facts)), None
+            ),
+        ),
+        Mistake(
             "the target",
             "This returns the state to go to. Asked for is the whole row, with its label: the "
             "history wants to know why.",

@@ -122,6 +122,12 @@ IS_STUCK = Exercise(
             _stuck(held=lambda watch, now, x, y: watch._replace(since=now)),
         ),
         Mistake(
+            "everything moves along",
+            "Time and place are renewed with every look, so 1.5 s never pass. Keep the watch as it "
+            "is while the robot is near its place.",
+            _stuck(held=lambda watch, now, x, y: Watch(now, x, y)),
+        ),
+        Mistake(
             "each axis alone",
             "2.5 cm along x and 2.5 cm along y are 3.5 cm of way. Take the distance.",
             _stuck(gap=lambda dx, dy: max(abs(dx), abs(dy))),
@@ -176,6 +182,24 @@ IS_STUCK = Exercise(
             "A position that is nan counts as no movement. nan > 0.03 is False: ask “not moved <= "
             "0.03” instead.",
             _stuck(stays=lambda moved: not moved > LEAST),
+        ),
+        Mistake(
+            "waits while nobody knows",
+            "Where the position is nan the old watch is kept. A nan counts as another place: "
+            "remember now and here, as if the robot had moved.",
+            _stuck(
+                fresh=lambda watch, now, x, y: watch if not np.isfinite(x + y) else Watch(now, x, y)
+            ),
+        ),
+        Mistake(
+            "forgets while nobody knows",
+            "Where the position is nan everything is forgotten. A nan counts as another place: "
+            "remember now and here, as if the robot had moved.",
+            _stuck(
+                fresh=lambda watch, now, x, y: (
+                    Watch() if not np.isfinite(x + y) else Watch(now, x, y)
+                )
+            ),
         ),
     ),
 )

@@ -81,6 +81,16 @@ def _sight(
     return function
 
 
+def _flat_disc(box: np.ndarray, camera: Camera, tilt: float) -> Sighting:
+    """The pinhole's formula for a disc of the ball's size."""
+    left, top, right, bottom = np.asarray(box, float)
+    depth = 2 * RADIUS * camera.focal / max(right - left, bottom - top)
+    x = ((left + right) / 2 - camera.centre[0]) / camera.focal
+    y = ((top + bottom) / 2 - camera.centre[1]) / camera.focal
+    ahead = cos(tilt) - y * sin(tilt)
+    return Sighting(atan2(-x, ahead), depth * hypot(ahead, x), 0.0, 0.0)
+
+
 BEARING_AND_RANGE = Exercise(
     id="vision.bearing_and_range",
     title="Where is the ball?",
@@ -129,6 +139,12 @@ BEARING_AND_RANGE = Exercise(
             "The range comes from the tangent of half the angle. The look at an edge touches the "
             "ball: the right angle is at the ball, so it is the sine.",
             _sight(angle=tan),
+        ),
+        Mistake(
+            "a flat disc",
+            "0.19 f / width would be right for a flat disc that faces the lens. The looks touch a "
+            "ball before its middle, and aside it appears stretched: take the angles of its edges.",
+            _flat_disc,
         ),
         Mistake(
             "the farther of two",

@@ -29,6 +29,12 @@ ARRIVED = 0.2
 State University, 2024."""
 
 
+AGAIN = 0.05
+"""The same words so soon after are one event [s]."""
+FOR_LOGS = ("set_up", "placed")
+"""What the crew did: its numbers are for a recording, not for a reader."""
+
+
 class Entry(NamedTuple):
     """A line of the event log.
 
@@ -205,6 +211,10 @@ class Inbox:
         self._enter(Entry(float(message.time), str(message.level), str(message.text)))
 
     def _enter(self, entry: Entry) -> None:
+        if self.entries and entry.level.lower() not in self.counts:
+            before = self.entries[-1]
+            if entry.text == before.text and abs(entry.time - before.time) < AGAIN:
+                return  # a change of state is told on two topics, a button by both its ends
         self.entries.append(entry)
         for level in self.counts:
             if entry.level.lower() == level:
@@ -229,7 +239,8 @@ class Inbox:
             self.set_up, value = message, str(value).partition(" ")[0]
         if name == "start":
             self.trail.clear()
-        self.note("operator", f"{name} {value}".strip())
+        words = name if name in FOR_LOGS else f"{name} {value}".strip()
+        self.note("operator", words)
 
     def _score(self, message: Any) -> None:
         if message.winner:

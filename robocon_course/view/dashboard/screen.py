@@ -34,6 +34,7 @@ def dashboard(
     refresh: float = 0.2,
     states: str | Iterable[Iterable[str]] = (),
     clock: Callable[[], float] = time.monotonic,
+    display_id: str | None = None,
 ) -> Dashboard:
     """Show the operator's screen for everything that is told on a bus.
 
@@ -53,6 +54,8 @@ def dashboard(
         only names and history are shown.
     clock : callable, optional
         Wall time [s].
+    display_id : str, optional
+        Of an output that the screen takes the place of.
 
     Returns
     -------
@@ -72,7 +75,7 @@ def dashboard(
     _shown[bus] = ref(screen)
     screen.draw()
     if has_sliders():
-        screen.show()
+        screen.show(display_id)
     return screen
 
 
@@ -146,12 +149,20 @@ class Dashboard:
         self._attempt("controls", self.controls.refresh)
         self._attempt("status", self._paint_status)
 
-    def show(self) -> None:
-        """Put the screen into the notebook, and draw it again and again."""
+    def show(self, display_id: str | None = None) -> None:
+        """Put the screen into the notebook, and draw it again and again.
+
+        Parameters
+        ----------
+        display_id : str, optional
+            Of an output that the screen takes the place of.
+        """
         from IPython.display import publish_display_data
 
         words = {"text/plain": "Dashboard: status, map, camera, controls, sensors, mission, events"}
-        publish_display_data(self.widget._repr_mimebundle_() | words)
+        data = self.widget._repr_mimebundle_() | words
+        instead = {"transient": {"display_id": display_id}, "update": True} if display_id else {}
+        publish_display_data(data, **instead)
         try:
             loop = asyncio.get_running_loop()
         except RuntimeError:  # nobody's loop runs: whoever holds the dashboard draws it

@@ -38,7 +38,9 @@ class Sight:
         str
         """
         image, found = inbox.latest.get("/camera/image"), list(inbox.found.values())
-        shown = tuple(one for one in found if image is None or _together(image.time, one.time))
+        # Where no picture is sent, the latest that was found stands for its time.
+        now = max((one.time for one in found), default=0.0) if image is None else image.time
+        shown = tuple(one for one in found if _together(now, one.time))
         # What is drawn is kept too: its place in memory names it as long as it lives.
         keep = (image, *shown)
         name = tuple(map(id, keep))
