@@ -131,7 +131,7 @@ class Autopilot:
         self.now, self._leapt = 0.0, 0.0
         self._begins, self._ends, self._began = inf, inf, 0.0
         self._stored: list[float] = []
-        self._watch, self._speed = Watch(), 0.0
+        self._watch, self._motion = Watch(), (0.0, 0.0)
         self._tried = 0
         self._order, self._held, self._sought = Order(), False, -inf
         self.driver = Driver(self.parts, float(self.reckoning.pose[2]))
@@ -197,19 +197,19 @@ class Autopilot:
         return self.now - self.history.since
 
     @property
-    def motion(self) -> FloatArray:
-        """How it moves by its own wheels, shape (2,) [m/s, map]."""
+    def motion(self) -> tuple[float, float]:
+        """How it moves, by its own wheels [m/s, map]."""
         return self._motion
 
     @property
     def speed(self) -> float:
-        """By its own wheels [m/s]."""
-        return self._speed
+        """How fast it moves [m/s]."""
+        return hypot(*self._motion)
 
     @property
     def standing(self) -> bool:
         """Whether the robot stands."""
-        return self._speed < STANDS
+        return self.speed < STANDS
 
     @property
     def rhythm(self) -> Rhythm:
@@ -285,8 +285,7 @@ class Autopilot:
         self._keep_time(now.time)
         x, y, _ = now.pose.tolist()
         last_x, last_y, _ = last.pose.tolist()
-        motion = (x - last_x) / now.dt, (y - last_y) / now.dt
-        self._speed = hypot(*motion)
+        self._motion = motion = (x - last_x) / now.dt, (y - last_y) / now.dt
         if self.use_walls:
             self.walls, pose = correct(self.walls, now.pose, seen, motion, now.dt)
             if self.state is State.LIDAR_RESET and not self.walls.sure:
