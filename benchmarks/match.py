@@ -1,8 +1,9 @@
 """How well, and how fast, does the robot play?
 
-    python benchmarks/match.py weak|strong|faults|position|camera|speed --seeds 200 --workers 2
+    python benchmarks/match.py weak|rules|strong|faults|position|camera|speed --seeds 200 --workers 2
 
-``weak``      matches against a weak team: Mua Vang, fouls, contacts, position
+``weak``      matches against a weak team, with enough balls: Mua Vang, fouls, contacts, position
+``rules``     the same with no more balls than the rules allow
 ``strong``    orders A, B and ahead against a strong team, as a board game and in the simulator
 ``faults``    each fault alone, and each pair of them
 ``position``  the position's error with and without set-up, LiDARs, gyroscope
@@ -30,6 +31,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robocon_course.field import SEEDLINGS
 from robocon_course.mission import LIMITS, STRATEGIES
 from robocon_course.simulator.match import KINDS, Fault
 from robocon_course.simulator.referee import MUA_VANG, OPPONENTS
@@ -41,8 +43,10 @@ LATE = 0.6
 """So much longer than its limit a state may seem to last, while the robot's clock is frozen [s]."""
 FAULTS_AT = (12.0, 90.0)
 """Between these times a fault happens [s]."""
-EVERY = 12.0
+EVERY = 9.0
 """Of our balls in a board game [s]."""
+ENOUGH = 24
+"""Balls from Robot 1, that none is wanting."""
 WHOLE = (2, 5)
 """Seeds of matches against a strong team that go the whole way."""
 POSITIONS = {
@@ -140,7 +144,7 @@ def strong(seeds: Iterable[int], run: Run = map) -> dict[str, list[MatchResult]]
 
 def weak(seeds: Iterable[int], run: Run = map, **settings: object) -> list[MatchResult]:
     """Matches against a weak team."""
-    return season(seeds, run=run, opponent="weak", **settings)
+    return season(seeds, run=run, **({"opponent": "weak", "sent": ENOUGH} | settings))
 
 
 def position(seeds: Iterable[int], run: Run = map) -> dict[str, list[MatchResult]]:
@@ -208,8 +212,8 @@ def speed(seed: int = 1, seconds: float = 60.0) -> dict[str, np.ndarray]:
 # --- printing ----------------------------------------------------------------------------------
 
 
-def print_weak(seeds: list[int], run: Run) -> None:
-    results = weak(seeds, run)
+def print_weak(seeds: list[int], run: Run, **settings: object) -> None:
+    results = weak(seeds, run, **settings)
     print(summary(results).line)
     for one in results:
         if not one.mua_vang or one.fouls or one.contacts:
@@ -276,6 +280,7 @@ def print_speed(seeds: list[int], run: Run) -> None:
 
 CAMPAIGNS = {
     "weak": print_weak,
+    "rules": partial(print_weak, sent=SEEDLINGS),
     "strong": print_strong,
     "faults": print_faults,
     "position": print_position,

@@ -213,6 +213,8 @@ START: Point = (0.55, 0.35)
 AREA_3_GOAL: Point = (4.30, 10.0)
 AREA_3_LINE = 8.45
 """Above this y the robot counts as being in Area 3 [m]."""
+SEEDLINGS = 12
+"""A Robot 1 has so many; it may send no more balls than it has planted of them."""
 MATCH_LENGTH = 180.0
 """[s]"""
 PILE_TARGET: Point = (1.0, 9.98)

@@ -14,6 +14,7 @@ import numpy as np
 
 from robocon_course import field
 from robocon_course._arrays import CourseError, FloatArray
+from robocon_course.field import SEEDLINGS
 from robocon_course.mission import LETTERS
 from robocon_course.robot import Command, Frame, LidarReading, Observation
 from robocon_course.simulator import balls as rolling
@@ -62,6 +63,8 @@ class Match:
     drawn : bool
         Draw what the camera sees; else frames hold what a detector would say.
     faults : sequence of Fault
+    sent : int
+        Balls that Robot 1 sends; the rules allow as many as seedlings were planted.
 
     Attributes
     ----------
@@ -91,6 +94,7 @@ class Match:
         sensors: SensorModel | None = None,
         drawn: bool = False,
         faults: Sequence[Fault] = (),
+        sent: int = SEEDLINGS,
     ) -> None:
         refuse("team", team, tuple(LETTERS))
         refuse("opponent", opponent, (None, *OPPONENTS))
@@ -107,7 +111,7 @@ class Match:
         self.robot.reset(int(self._rng["sensors"].integers(1 << 31)))
         pile = self._rng["pile"].permutation([team] * 6 + ["purple"] * 10)
         self.balls = Balls(np.array(field.PILE_BALLS), [str(name) for name in pile])
-        self._others = Others(team, opponent, self._rng)
+        self._others = Others(team, opponent, self._rng, sent)
         self._eye = FieldCamera(int(self._rng["camera"].integers(1 << 31))) if drawn else None
         self.started: float | None = None
         self.retries, self._waits_until, self._area_2 = 0, 0.0, False

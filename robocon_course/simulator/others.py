@@ -11,12 +11,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from robocon_course import field
+from robocon_course.field import SEEDLINGS
 from robocon_course.mission import order_b
 from robocon_course.simulator.balls import Balls
 from robocon_course.simulator.referee import OPPONENTS, TEAMS, Referee, plan
 
-SEEDLINGS, PLANTS = 12, 5.0
-"""Robot 1 plants so many, one every so many seconds [s]."""
+PLANTS = 5.0
+"""Robot 1 plants a seedling every so many seconds [s]."""
 FEED = (12.0, 7.0)
 """It sends a ball from then on, so often [s]: own and empty in turns, and never more balls than
 seedlings were planted."""
@@ -33,17 +34,24 @@ class Others:
         None: the other team has no Robot 2.
     rng : mapping of numpy.random.Generator
         ``"opponent"`` and ``"feed"``.
+    sent : int
+        So many balls come from Robot 1. More than `SEEDLINGS` are against the rules and worth
+        nothing: they are there so that a measurement does not run out of balls.
     """
 
     def __init__(
-        self, team: str, opponent: str | None, rng: Mapping[str, np.random.Generator]
+        self,
+        team: str,
+        opponent: str | None,
+        rng: Mapping[str, np.random.Generator],
+        sent: int = SEEDLINGS,
     ) -> None:
         self._colours = (team, "purple")
         self._theirs = "blue" if team == "red" else "red"
         self._rng = rng["feed"]
         self._plan = plan(rng["opponent"], OPPONENTS[opponent]) if opponent else []
         self._y = float(field.SILO_POST[1])
-        self._planted = self._fed = 0
+        self._sent, self._planted, self._fed = sent, 0, 0
 
     def act(self, now: float, referee: Referee, balls: Balls) -> None:
         """What they have done up to a time of the match [s].
@@ -65,12 +73,13 @@ class Others:
             for team in TEAMS:
                 referee.give(now, team, "seedling")
         first, every = FEED
-        if self._fed < self._planted and now >= first + every * self._fed:
+        may = self._sent if self._planted == SEEDLINGS else min(self._sent, self._planted)
+        if self._fed < may and now >= first + every * self._fed:
             at = float(self._rng.uniform(0.5, 1.9)), 8.15
             speed = float(self._rng.uniform(-0.15, 0.15)), float(self._rng.uniform(0.5, 0.9))
             balls.add(at, speed, self._colours[self._fed % 2])
             self._fed += 1
-            for team in TEAMS:
+            for team in TEAMS if self._fed <= SEEDLINGS else ():
                 referee.give(now, team, "transfer")
 
     def _store(self, now: float, referee: Referee, falls_in: bool) -> None:

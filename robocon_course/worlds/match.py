@@ -14,7 +14,7 @@ import numpy as np
 
 from robocon_course._arrays import CourseError, as_floats
 from robocon_course.autopilot import Autopilot, Parts, Telemetry, measured_offsets
-from robocon_course.field import MATCH_LENGTH
+from robocon_course.field import MATCH_LENGTH, SEEDLINGS
 from robocon_course.mission import LETTERS, STRATEGIES
 from robocon_course.robot import LIDARS, Bus
 from robocon_course.robot.messages import Button, Log, PoseStamped, Score
@@ -75,7 +75,7 @@ class Play:
     student : int or str
     parts : Parts
     seed : int
-    team, opponent, drawn, faults
+    team, opponent, drawn, faults, sent
         As for `simulator.match.Match`.
     strategy : str, optional
         One of `mission.STRATEGIES`: in place of the part ``choose_silo``.
@@ -105,6 +105,7 @@ class Play:
         opponent: str | None = "weak",
         drawn: bool = False,
         faults: Sequence[Fault] = (),
+        sent: int = SEEDLINGS,
         strategy: str | None = None,
         bus: Bus | None = None,
         walls: bool = True,
@@ -118,7 +119,7 @@ class Play:
             parts = replace(parts, choose_silo=STRATEGIES[strategy])
         self.student, self.parts, self.seed, self.bus = student, parts, seed, bus
         self._team = team
-        self._match = {"opponent": opponent, "drawn": drawn, "faults": faults}
+        self._match = {"opponent": opponent, "drawn": drawn, "faults": faults, "sent": sent}
         self._pilot = {"walls": walls, "imu": imu, "set_up": set_up}
         self._by_hand = ByHand()
         self._prepare()
