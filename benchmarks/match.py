@@ -1,6 +1,6 @@
 """How well, and how fast, does the robot play?
 
-    python benchmarks/match.py weak|rules|strong|faults|position|camera|speed --seeds 200 --workers 2
+    python benchmarks/match.py weak --seeds 200 --workers 2
 
 ``weak``      matches against a weak team, with enough balls: Mua Vang, fouls, contacts, position
 ``rules``     the same with no more balls than the rules allow

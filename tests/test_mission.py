@@ -41,6 +41,7 @@ from robocon_course.mission import (
     order_b,
     owner,
     reachable,
+    rhythm_seen,
     winner,
 )
 
@@ -320,7 +321,7 @@ def test_what_a_state_forgets_is_what_it_finds_anew(state):
     assert (not pilot.sight.tracks) == (state in ("reset", "reverse", "back_to_storage"))
     assert ("silo" not in pilot.notes) == (state in ("reset", "search_silo", "silo_full"))
     again = ("lidar_reset", "reset_odometry_from_lidar")
-    assert (pilot.walls.sigma.max() > 0.04) == (state in again)
+    assert (max(pilot.walls.sigma) > 0.04) == (state in again)
 
 
 def test_every_row_says_why():
@@ -440,7 +441,7 @@ def test_another_team_and_four_silos_are_refused(order):
     assert choose(["RR?", "???", "empty", "BBB", "RRR"], "red", 10.0) == 2, "full is full"
 
 
-@pytest.mark.parametrize("opponent", ["weak", "middling"])
+@pytest.mark.parametrize("opponent", ["middling", "strong"])
 def test_ahead_wins_more_board_games_at_once_than_both_orders(opponent):
     match = benchmark("match")
     won = match.board_games(range(60), opponent)
@@ -464,6 +465,34 @@ def test_mcnemar_s_test_agrees_with_scipy_s_sign_test():
     better, worse = int((ones & ~others).sum()), int((others & ~ones).sum())
     expected = binomtest(better, better + worse, alternative="greater").pvalue
     assert match.mcnemar(ones.tolist(), others.tolist()) == pytest.approx(expected)
+
+
+# --- rhythm ----------------------------------------------------------------------------------
+
+
+def test_before_anything_was_seen_the_usual_rhythm_is_expected_from_area_3_on():
+    assert rhythm_seen(15.0, 0.0, [], []) == Rhythm(9.0, 17.0, 20.0, 4.0)
+    assert rhythm_seen(115.0, 100.0, [], []) == Rhythm(9.0, 17.0, 20.0, 4.0)
+
+
+@pytest.mark.parametrize("period", [9.0, 13.0, 30.0])
+def test_their_first_ball_tells_their_rhythm_and_more_balls_tell_the_same(period):
+    for count in (1, 2, 5):
+        theirs = [12.0 + period * (k + 1) for k in range(count)]
+        told = rhythm_seen(theirs[-1] + 4.0, 0.0, [], theirs)
+        assert told.period == pytest.approx(period) and told.next == pytest.approx(period - 4.0)
+
+
+def test_a_ball_that_nobody_noticed_does_not_make_them_late_for_ever():
+    told = rhythm_seen(25.0 + 2.2 * 13.0, 0.0, [], [25.0])
+    assert told.next == pytest.approx(-0.2 * 13.0)
+    assert rhythm_seen(25.0 + 2.8 * 13.0, 0.0, [], [25.0]).next == pytest.approx(0.2 * 13.0)
+
+
+def test_our_own_rhythm_goes_by_the_last_balls_and_stays_within_reason():
+    assert rhythm_seen(60.0, 0.0, [18.0, 30.0, 42.0], []).every == pytest.approx(10.5)
+    assert rhythm_seen(400.0, 0.0, [100.0, 300.0], []).every == 20.0
+    assert rhythm_seen(60.0, 0.0, [18.0, 18.1, 18.2, 18.3, 18.4], []).every == 6.0
 
 
 # --- balls -------------------------------------------------------------------------------------

@@ -21,9 +21,10 @@ from robocon_course import field
 from robocon_course._arrays import CourseError, FloatArray, as_floats
 from robocon_course.autopilot.driver import NEAR, Driver
 from robocon_course.autopilot.parts import Parts
-from robocon_course.autopilot.plays import PLAYS, Order, approach_to_ball
+from robocon_course.autopilot.plays import PLAYS, Order
 from robocon_course.autopilot.sensing import Reckoning, lidar_y, reckon
 from robocon_course.autopilot.sight import Sight
+from robocon_course.autopilot.taking import approach_to_ball
 from robocon_course.autopilot.walls import Walls, correct, found_again
 from robocon_course.geometry import TURN
 from robocon_course.mission import (
@@ -36,6 +37,7 @@ from robocon_course.mission import (
     Table,
     Watch,
     mission_table,
+    rhythm_seen,
 )
 from robocon_course.odometry import TrackingWheels
 from robocon_course.robot import DEAD_WHEELS, Command, Observation
@@ -49,8 +51,6 @@ PLACED = 0.005
 """How exactly a crew puts it down [m]."""
 STANDS = 0.03
 """Slower than this by its wheels it stands [m/s]."""
-ON_THEIR_WAY = 12.0
-"""The other team's robot gets to Area 3 in about this time [s], as ours does."""
 STORING_TAKES = 3.0
 """From the choice of a silo to the ball in it [s]."""
 GRIPS = 0.4
@@ -214,18 +214,8 @@ class Autopilot:
     @property
     def rhythm(self) -> Rhythm:
         """How often both teams come to a silo, as far as it was noticed."""
-        theirs, usual = self.sight.their_balls, Rhythm()
-        # As if a ball before their first had come when they got to Area 3.
-        first = self._began + ON_THEIR_WAY
-        last = theirs[-1] if theirs else first
-        period = (last - first) / len(theirs) if theirs else usual.period
-        period = float(np.clip(period, 8.0, 45.0))
-        own = np.diff(self._stored)
-        every = float(np.clip((2 * usual.every + own[-4:].sum()) / (2 + len(own[-4:])), 6.0, 20.0))
-        since = self.now + STORING_TAKES - last
-        # Where they are late by far, one was missed, by them or by the camera.
-        awaited = max(1, round(since / period)) * period
-        return Rhythm(every, awaited - since, period, 0.2 * period)
+        arrival = self.now + STORING_TAKES
+        return rhythm_seen(arrival, self._began, self._stored, self.sight.their_balls)
 
     def near(self, target: ArrayLike, gap: float = NEAR, turn: float = 0.06) -> bool:
         """Whether the robot is within `gap` [m] and `turn` [rad] of a pose."""

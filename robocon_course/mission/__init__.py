@@ -4,6 +4,7 @@
 ``table``    `Transition`, `Table`: checked when built; the first match wins
 ``robot``    the robot's own states, what it knows (`Facts`), and its table
 ``silos``    which silo to fill: two teams' orders, and a better one
+``rhythm``   how often both teams come to a silo, as far as was seen
 ``balls``    which ball to take, and from where
 ``watch``    whether the robot is stuck
 ``plain``    guards and rooms as data
@@ -12,11 +13,11 @@
 
 from robocon_course.mission.balls import Approach, SeenBall, approach_from, choose_ball, is_clear
 from robocon_course.mission.plain import Fact, Room
+from robocon_course.mission.rhythm import Rhythm, rhythm_seen
 from robocon_course.mission.robot import LIMITS, MISSION, RESETS, Facts, State, mission_table
 from robocon_course.mission.silos import (
     LETTERS,
     STRATEGIES,
-    Rhythm,
     after,
     choose_silo,
     is_full,
@@ -76,5 +77,6 @@ __all__ = [
     "own_and_theirs",
     "owner",
     "reachable",
+    "rhythm_seen",
     "winner",
 ]

@@ -13,10 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache
-from typing import NamedTuple
 
 from robocon_course._arrays import CourseError
 from robocon_course.field import SILO_CAPACITY, SILOS
+from robocon_course.mission.rhythm import Rhythm
 
 LETTERS = {"red": "R", "blue": "B"}
 """Of each team's balls."""
@@ -118,25 +118,6 @@ def order_b(
         fillings,
         lambda k: _rank(fillings[k], team) - DISTANCE_WEIGHT * abs(SILOS[k][1] - y),
     )
-
-
-class Rhythm(NamedTuple):
-    """How often the two teams come to a silo.
-
-    Attributes
-    ----------
-    every : float  [s]
-        From one of our balls to the next.
-    next : float  [s]
-        From our next ball to theirs, as far as can be said; below 0 they are late.
-    period, spread : float  [s]
-        From one of their balls to the next, and how unsure that is.
-    """
-
-    every: float = 9.0
-    next: float = 12.0
-    period: float = 20.0
-    spread: float = 4.0
 
 
 def choose_silo(
