@@ -54,7 +54,17 @@ def fits(x: float, y: float, heading: float, wall: float = WALL) -> bool:
 
 
 def approach_to_ball(pilot: Autopilot) -> Approach | None:
-    """The ball to take, and how; while it is being taken, the same one where it is now."""
+    """The ball to take, and how; while it is being taken, the same one where it is now.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+
+    Returns
+    -------
+    Approach or None
+        None: no own ball can be come at.
+    """
     way = pilot.notes.get("approach") if pilot.state is State.TAKE_BALL else None
     if way is not None:
         way = _still(way, pilot)
@@ -99,6 +109,15 @@ def may_pull(way: Approach, pilot: Autopilot) -> bool:
     """Whether what the rollers get would be the ball: seen just now, alone, and not swept up.
 
     Pictures come late. Who goes aside with turning rollers takes what lies there by now.
+
+    Parameters
+    ----------
+    way : Approach
+    pilot : Autopilot
+
+    Returns
+    -------
+    bool
     """
     c, s = cos(way.heading), sin(way.heading)
     sideways = c * pilot.motion[1] - s * pilot.motion[0]
@@ -130,7 +149,16 @@ def _barred(way: Approach, pilot: Autopilot, balls: list[SeenBall]) -> bool:
 
 
 def end_of(way: Approach) -> tuple[float, float]:
-    """Where the way to a ball ends: a little farther, but not where the ball has a wall behind."""
+    """Where the way to a ball ends: a little farther, but not where the ball has a wall behind.
+
+    Parameters
+    ----------
+    way : Approach
+
+    Returns
+    -------
+    x, y : float  [m, map]
+    """
     c, s = cos(way.heading), sin(way.heading)
     for over in (OVERSHOOT, 0.5 * OVERSHOOT, 0.01):
         end = way.take[0] + over * c, way.take[1] + over * s

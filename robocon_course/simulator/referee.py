@@ -140,6 +140,13 @@ class Referee:
 def refuse(name: str, got: object, known: Collection) -> None:
     """Refuse an argument that is none of those that are known.
 
+    Parameters
+    ----------
+    name : str
+        Of the argument.
+    got : object
+    known : collection
+
     Raises
     ------
     CourseError
