@@ -603,6 +603,12 @@ def test_who_is_stopped_or_set_up_anew_is_not_driven_by_hand_any_more(match, nam
     assert match.heard("/cmd_vel")[-1] == messages.Twist(0.0, 0.0, 0.0)
 
 
+@pytest.mark.parametrize("value", ["on", True, 1.0])  # a log keeps a number
+def test_taking_over_is_told_in_words_or_as_a_truth(match, value):
+    match.by_hand().say("/operator", messages.Button("manual", value))
+    assert "manual" in match.text("status") and match.controls.manual.value
+
+
 def test_the_stop_button_ends_driving_by_hand(match):
     match.by_hand().controls.stop.click()
     assert not match.controls.manual.value
