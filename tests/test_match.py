@@ -555,6 +555,20 @@ def test_the_operator_starts_stops_and_retries():
     assert play.pilot.state is State.GO_TO_AREA_3
 
 
+def test_a_start_during_a_retry_waits_for_its_end():
+    bus = Bus()
+    play = Play(seed=1, opponent=None, bus=bus)
+    for name in ("start", "retry", "stop", "start"):
+        bus.publish("/operator", Button(name))
+        for _ in range(100):
+            play.tick()
+    assert play.match.waiting and play.match.wait_left == pytest.approx(2.0, abs=0.05)
+    assert play.pilot.state is State.RESET and not play.pilot.stopped
+    for _ in range(210):
+        play.tick()
+    assert play.match.wait_left == 0.0 and play.pilot.state is State.GO_TO_AREA_3
+
+
 BAD_BUTTONS = [
     Button("colour", "green"), Button("colour", 1.0), Button("pan", "left"), Button("pan", np.nan),
     Button("intake", ""), Button("tilt", None), Button("dance", "on"), "no button",
