@@ -487,11 +487,14 @@ def test_a_message_that_cannot_be_read_is_one_line_of_the_log_however_often_it_c
     assert "1 error" in match.text("status")
 
 
-def test_a_robot_that_is_switched_on_anew_begins_a_new_path(match):
+@pytest.mark.parametrize("last", [2.0, 104.0])
+def test_a_robot_that_is_switched_on_anew_begins_a_new_path(match, last):
     for k in range(5):
-        match.pose(1.0 + 0.1 * k, 1.0, time=100.0 + k)
+        match.pose(1.0 + 0.1 * k, 1.0, time=last - 0.1 * (4 - k))
+    match.pose(1.5, 1.0, time=last - 0.5)  # an older one that was late
+    assert len(match.screen.inbox.trail) == 6
     match.pose(0.5, 0.3, time=0.0)
-    assert list(match.screen.inbox.trail) == [(0.5, 0.3)]
+    assert list(match.screen.inbox.trail) == [(0.5, 0.3)] and match.screen.inbox.now() == 0.0
 
 
 # --- what is told -----------------------------------------------------------------------------
