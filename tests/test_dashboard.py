@@ -487,6 +487,14 @@ def test_a_message_that_cannot_be_read_is_one_line_of_the_log_however_often_it_c
     assert "1 error" in match.text("status")
 
 
+def test_the_driven_path_keeps_a_point_every_few_centimetres(match):
+    for k in range(101):
+        match.pose(1.0 + 0.01 * k, 1.0, time=k / 100)
+    trail = list(match.screen.inbox.trail)
+    steps = np.diff([x for x, _ in trail])
+    assert 20 < len(trail) < 30 and steps.min() > 0.039 and steps.max() < 0.06
+
+
 @pytest.mark.parametrize("last", [2.0, 104.0])
 def test_a_robot_that_is_switched_on_anew_begins_a_new_path(match, last):
     for k in range(5):
