@@ -516,11 +516,22 @@ def test_a_message_that_cannot_be_read_is_one_line_of_the_log_however_often_it_c
     assert "1 error" in match.text("status")
 
 
-def test_a_robot_that_is_switched_on_anew_begins_a_new_path(match):
+def test_the_driven_path_keeps_a_point_every_few_centimetres(match):
+    for k in range(101):
+        match.pose(1.0 + 0.01 * k, 1.0, time=k / 100)
+    trail = list(match.screen.inbox.trail)
+    steps = np.diff([x for x, _ in trail])
+    assert 20 < len(trail) < 30 and steps.min() > 0.039 and steps.max() < 0.06
+
+
+@pytest.mark.parametrize("last", [2.0, 104.0])
+def test_a_robot_that_is_switched_on_anew_begins_a_new_path(match, last):
     for k in range(5):
-        match.pose(1.0 + 0.1 * k, 1.0, time=100.0 + k)
+        match.pose(1.0 + 0.1 * k, 1.0, time=last - 0.1 * (4 - k))
+    match.pose(1.5, 1.0, time=last - 0.5)  # an older one that was late
+    assert len(match.screen.inbox.trail) == 6
     match.pose(0.5, 0.3, time=0.0)
-    assert list(match.screen.inbox.trail) == [(0.5, 0.3)]
+    assert list(match.screen.inbox.trail) == [(0.5, 0.3)] and match.screen.inbox.now() == 0.0
 
 
 # --- what is told -----------------------------------------------------------------------------
@@ -630,6 +641,12 @@ def test_who_is_stopped_or_set_up_anew_is_not_driven_by_hand_any_more(match, nam
     match.by_hand().say("/operator", messages.Button(name, "red"))
     assert "automatic" in match.text("status") and not match.controls.manual.value
     assert match.heard("/cmd_vel")[-1] == messages.Twist(0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("value", ["on", True, 1.0])  # a log keeps a number
+def test_taking_over_is_told_in_words_or_as_a_truth(match, value):
+    match.by_hand().say("/operator", messages.Button("manual", value))
+    assert "manual" in match.text("status") and match.controls.manual.value
 
 
 def test_the_stop_button_ends_driving_by_hand(match):

@@ -329,6 +329,29 @@ def test_let_go_beside_a_silo_s_bore_the_ball_is_lost(aside):
     assert match.balls.place[-1] == OUT
 
 
+def test_what_is_let_go_over_the_silo_zone_s_edge_is_lost_to_all():
+    match = holding(5.80 - ARM, 9.6)
+    let_pass(match, 0.6, LETS_GO)
+    assert match.balls.place[-1] == OUT and whats(match) == ["lost ball"]
+
+
+def test_who_waits_in_a_retry_takes_no_ball():
+    match = begun()
+    match.balls.place[:] = OUT
+    match.retry()
+    match.robot.place((2.0, 10.0, 0.0))
+    match.balls.add((2.0 + SIDE / 2 + rolling.RADIUS + 0.005, 10.0), (0.0, 0.0), "red")
+    let_pass(match, 0.6, PULLS)
+    assert match.waiting and match.balls.held < 0 and whats(match) == ["retry"]
+
+
+def test_no_picture_from_before_a_retry_comes_after_it():
+    match = begun()
+    assert not frames_of(match, 0.05, WATCH) and match._frames
+    match.retry()
+    assert not frames_of(match, 0.3, STAND)
+
+
 def test_let_go_over_a_full_silo_the_ball_is_lost_once():
     match = holding(6.0 - ARM, 9.25)
     match.referee.fillings[1] = "BBR"
@@ -553,6 +576,20 @@ def test_the_operator_starts_stops_and_retries():
     bus.publish("/operator", Button("start"))
     play.tick()
     assert play.pilot.state is State.GO_TO_AREA_3
+
+
+def test_a_start_during_a_retry_waits_for_its_end():
+    bus = Bus()
+    play = Play(seed=1, opponent=None, bus=bus)
+    for name in ("start", "retry", "stop", "start"):
+        bus.publish("/operator", Button(name))
+        for _ in range(100):
+            play.tick()
+    assert play.match.waiting and play.match.wait_left == pytest.approx(2.0, abs=0.05)
+    assert play.pilot.state is State.RESET and not play.pilot.stopped
+    for _ in range(210):
+        play.tick()
+    assert play.match.wait_left == 0.0 and play.pilot.state is State.GO_TO_AREA_3
 
 
 BAD_BUTTONS = [

@@ -200,8 +200,8 @@ class Button(NamedTuple):
     name : str
         ``"start"``, ``"stop"``, ``"retry"``, ``"manual"``, ``"colour"``, ``"side"``, ``"intake"``,
         ``"release"``, ``"pan"`` or ``"tilt"``. The crew's own, for a log to be replayed:
-        ``"set_up"`` (see `worlds.match.new_pilot`) and ``"placed"`` (x, y, heading and how long the
-        robot has to wait).
+        ``"set_up"`` (see `worlds.match.new_pilot`), ``"placed"`` (x, y, heading and how long the
+        robot has to wait), and a ``"start"`` that says how much of that wait is left.
     value : str or float
         What was chosen, where there is a choice.
     """

@@ -202,6 +202,11 @@ class Match:
         return self.clock < self._waits_until
 
     @property
+    def wait_left(self) -> float:
+        """So long it still has to wait there [s]."""
+        return max(0.0, self._waits_until - self.clock)
+
+    @property
     def over(self) -> bool:
         """Whether the match has ended."""
         return bool(self.referee.winner)

@@ -154,8 +154,9 @@ class Play:
         if self.match.started is None:
             self.match.start()
         if self.pilot.stopped:
-            self.pilot.start()
-            self._tell("start")
+            after = self.match.wait_left  # of a retry: who drives against it takes itself for stuck
+            self.pilot.start(after)
+            self._tell("start", repr(after) if after else "")
 
     def tick(self) -> None:
         """One control cycle."""

@@ -18,6 +18,9 @@ from robocon_course.worlds.student import Student
 TICKS = 18_500
 """Of a whole match and the rest before it."""
 
+CREW = ("start", "placed")
+"""Buttons of which the crew's own carry numbers."""
+
 
 @dataclass(frozen=True)
 class Replayed:
@@ -118,6 +121,7 @@ def _press(
     """What the crew and the operator did, as it stands in the log; who plays from then on."""
     try:
         by_hand.press(button)
+        told = [float(word) for word in str(button.value).split()] if button.name in CREW else []
     except ValueError:  # in the match, too, it changed nothing
         return pilot
     if button.name == "set_up":
@@ -125,10 +129,9 @@ def _press(
     if pilot is None:
         return None
     if button.name == "start":
-        pilot.start()
+        pilot.start(*told)
     elif button.name == "stop":
         pilot.stop()
     elif button.name == "placed":
-        *pose, after = (float(number) for number in str(button.value).split())
-        pilot.restart(pose, after)
+        pilot.restart(told[:3], *told[3:])
     return pilot

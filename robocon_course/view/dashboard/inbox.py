@@ -234,7 +234,7 @@ class Inbox:
         if name in ("start", "stop"):
             self.running = name == "start"
         if name in ("manual", "stop", "set_up"):
-            self.manual = name == "manual" and value == "on"
+            self.manual = name == "manual" and value in ("on", 1.0)
         if name == "set_up":  # what follows the team is for the autopilot
             self.set_up, value = message, str(value).partition(" ")[0]
         if name == "start":
