@@ -91,6 +91,8 @@ class Autopilot:
     walls : Walls
     driver : Driver
         Brings it where the mission wants it.
+    pushes : int
+        How often it drove into the pile.
     speaks : list of (float, str, str)
         Time [s], level and text of what the operator should know.
     spoken : int
@@ -132,7 +134,7 @@ class Autopilot:
         self._begins, self._ends, self._began = inf, inf, 0.0
         self._stored: list[float] = []
         self._watch, self._motion = Watch(), (0.0, 0.0)
-        self._tried = 0
+        self._tried = self.pushes = 0
         self._order, self._held, self._sought = Order(), False, -inf
         self.driver = Driver(self.parts, float(self.reckoning.pose[2]))
 
@@ -363,6 +365,7 @@ class Autopilot:
             self.sight.forget_balls()
         if "pose" in resets:
             self.walls = self.walls.doubted()
+        self.pushes += state is State.PUSH_PILE
         if state is State.TAKE_BALL:
             self.notes["approach"] = old.get("approach")
             self._tried += 1

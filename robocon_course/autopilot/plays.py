@@ -96,19 +96,23 @@ def _look_for_balls(pilot: Autopilot) -> Order:
 
 
 def _search_balls(pilot: Autopilot) -> Order:
-    step = int(pilot.waited / LOOK_FOR)
+    """At the balls' midst on the way to where all are seen, and from there all around."""
+    if "there" not in pilot.notes and not pilot.near(VIEW_POST, 0.3, 0.3):
+        return _looking_at_balls(pilot)
+    step = int((pilot.now - pilot.notes.setdefault("there", pilot.now)) / LOOK_FOR)
     pilot.notes["looked"] = step >= len(PANS)
     return Order(VIEW_POST, pan=PANS[min(step, len(PANS) - 1)], tilt=0.3, watch="ball")
 
 
 def _push(pilot: Autopilot) -> Order:
+    """Straight at a ball of ours among the others, each time at the next one from south to north."""
     if "push" not in pilot.notes:
         balls = pilot.sight.balls
         among = [ball for ball in balls if ball.colour == pilot.team] or balls
         x, y = PUSH_TO, field.PILE_TARGET[1]
         if among:
-            x = float(np.mean([ball.x for ball in among])) + FRONT
-            y = float(np.mean([ball.y for ball in among]))
+            ball = sorted(among, key=lambda one: one.y)[pilot.pushes % len(among)]
+            x, y = ball.x + FRONT, ball.y
         reach = 0.5 * SIDE + WALL
         y = min(max(y, SOUTH + reach), field.SIZE - reach)
         pilot.notes["push"] = (max(x, reach), y, pi)
@@ -203,8 +207,8 @@ def _silo_full(pilot: Autopilot) -> Order:
     return Order((4.9, start[1], 0.0), tilt=SILO_TILT, watch="silo")
 
 
-def _back_to_storage(pilot: Autopilot) -> Order:
-    """The camera turns to the balls before the robot does."""
+def _looking_at_balls(pilot: Autopilot) -> Order:
+    """To where all balls are seen; the camera turns to them before the robot does."""
     x, y, theta = pilot.pose
     pan = remainder(atan2(MIDST[1] - y, MIDST[0] - x) - theta, 2 * pi)
     watch = "ball" if abs(pan) < WIDE else ""
@@ -235,7 +239,7 @@ PLAYS: dict[State, Callable[[Autopilot], Order]] = {
     State.APPROACH_SILO: _approach,
     State.SILO_FULL: _silo_full,
     State.RESET_AFTER_SILO: _leave_silo,
-    State.BACK_TO_STORAGE: _back_to_storage,
+    State.BACK_TO_STORAGE: _looking_at_balls,
     State.STUCK: _free,
     State.NO_SENSORS: _stand,
     State.FINISHED: _stand,
