@@ -4,7 +4,8 @@
 
 ``weak``      matches against a weak team, with enough balls: Mua Vang, fouls, contacts, position
 ``rules``     the same with no more balls than the rules allow
-``strong``    orders A, B and ahead against a strong team, as a board game and in the simulator
+``strong``    orders A, B and ahead against a strong team, as a board game and, with enough balls,
+              in the simulator
 ``faults``    each fault alone, and each pair of them
 ``position``  the position's error with and without set-up, LiDARs, gyroscope
 ``camera``    matches on drawn pictures, with the networks
@@ -136,7 +137,10 @@ def board_games(seeds: Iterable[int], opponent: str = "strong") -> dict[str, lis
 def strong(seeds: Iterable[int], run: Run = map) -> dict[str, list[MatchResult]]:
     """The same matches against a strong team, with each order."""
     seeds = list(seeds)
-    return {name: season(seeds, run=run, opponent="strong", strategy=name) for name in STRATEGIES}
+    return {
+        name: season(seeds, run=run, opponent="strong", sent=ENOUGH, strategy=name)
+        for name in STRATEGIES
+    }
 
 
 # --- weak, position, camera --------------------------------------------------------------------
