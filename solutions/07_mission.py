@@ -22,7 +22,7 @@ from robocon_course.exercises import answer, begin, check, hint, robot_parts, st
 from robocon_course.mission import State
 from robocon_course.simulator.match import Fault
 from robocon_course.simulator.referee import OPPONENTS
-from robocon_course.view import explore, missions, pictures, plots, show
+from robocon_course.view import animate_match, explore, match_twin, missions, pictures, plots, show
 from robocon_course.view.playing import operate
 from robocon_course.worlds import missions as games
 
@@ -694,7 +694,7 @@ for state, seconds in spent.most_common(5):
 # %%
 mine = robot_parts("mixed")
 course = play(7, strategy="A")
-yours = play(7, mine, strategy="A")
+yours = play(7, mine, strategy="A", with_balls=True)
 for whose, result in {"course": course, "yours": yours}.items():
     print(f"{whose:7s} {result.lines[0]}")
 print(f"parts: {mine.label}")
@@ -710,6 +710,12 @@ show(
     f"The match by the course's parts and by yours ({mine.label}): {course.points} and {yours.points} "
     f"points; the two robots are at most {apart:.0f} mm apart.",
 )
+
+# %% [markdown]
+# This is the match of your robot, twelve times as fast:
+
+# %%
+show(animate_match(yours, speed=12.0), match_twin(yours))
 
 # %% [markdown]
 # Does the order change a whole match? The same seed, by two ways to choose a silo:
