@@ -22,7 +22,7 @@ from robocon_course.exercises import answer, begin, check, hint, robot_parts, st
 from robocon_course.mission import State
 from robocon_course.simulator.match import Fault
 from robocon_course.simulator.referee import OPPONENTS
-from robocon_course.view import explore, missions, pictures, plots, show
+from robocon_course.view import animate_match, explore, match_twin, missions, pictures, plots, show
 from robocon_course.view.playing import operate
 from robocon_course.worlds import missions as games
 
@@ -62,7 +62,7 @@ def play(seed, parts=None, **settings):
 
 
 # %%
-first = play(7)
+first = play(4)
 print("\n".join(first.lines))
 
 # %%
@@ -693,8 +693,8 @@ for state, seconds in spent.most_common(5):
 
 # %%
 mine = robot_parts("mixed")
-course = play(7, strategy="A")
-yours = play(7, mine, strategy="A")
+course = play(4, strategy="A")
+yours = play(4, mine, strategy="A", with_balls=True)
 for whose, result in {"course": course, "yours": yours}.items():
     print(f"{whose:7s} {result.lines[0]}")
 print(f"parts: {mine.label}")
@@ -710,6 +710,12 @@ show(
     f"The match by the course's parts and by yours ({mine.label}): {course.points} and {yours.points} "
     f"points; the two robots are at most {apart:.0f} mm apart.",
 )
+
+# %% [markdown]
+# This is the match of your robot, twelve times as fast:
+
+# %%
+show(animate_match(yours, speed=12.0), match_twin(yours))
 
 # %% [markdown]
 # Does the order change a whole match? The same seed, by two ways to choose a silo:
@@ -731,7 +737,7 @@ show(
 # all cores. In a terminal, in the folder of this notebook:
 #
 # ```text
-# robocon match --seed 7 --mine
+# robocon match --seed 4 --mine
 # robocon season --seeds 20 --mine
 # ```
 #
@@ -750,7 +756,7 @@ show(
 # - Run the cell anew and choose the other balls before Start.
 
 # %%
-operate(lambda bus: worlds.Play(student, mine, seed=7, bus=bus, drawn=True))
+operate(lambda bus: worlds.Play(student, mine, seed=4, bus=bus, drawn=True))
 
 # %% [markdown]
 # ## 13. Challenge: a strategy for a season (4 points)

@@ -411,7 +411,7 @@ def test_a_challenge_is_marked_by_its_worst_case(answer, points, outcome):
 def test_a_challenge_says_how_far_it_is_and_which_known_way_was_taken():
     verdict = judge.judge(CHALLENGE, judge.ask_function(lambda x: x))
     assert verdict.mistake == "unchanged"
-    assert verdict.message.startswith("Worst case 2 m; 0.1 m earns all points.")
+    assert verdict.message.startswith("Worst case 2 m; at most 0.1 earns all points.")
 
 
 def test_a_challenge_answered_with_what_its_measure_refuses_is_wrong():

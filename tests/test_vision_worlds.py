@@ -67,7 +67,7 @@ def test_the_best_threshold_is_the_naive_one_and_its_neighbours_are_wrong(studen
 
 def test_a_number_without_a_unit_is_told_without_a_gap():
     said = judge_number(OWN_THRESHOLD, 0.123, 7).message
-    assert said.startswith("0.123 is not within 0.0051 of the truth")
+    assert said.startswith("0.123: not within 0.0051 of the truth")
     assert judge_number(OWN_THRESHOLD, "x", 7).message == "Expected one number, got a str."
 
 

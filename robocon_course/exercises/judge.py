@@ -122,12 +122,12 @@ def judge_number(number: Number, value: Any, student: Student = 0) -> Verdict:
         return verdict(Outcome.ERROR, f"Expected a number{in_unit}, got {value}.")
     whose = f"the robot of student number {student}"
     if abs(value - number.truth(student)) <= number.tolerance:
-        return verdict(Outcome.PASSED, f"{value:.4g}{unit} is right for {whose}.")
+        return verdict(Outcome.PASSED, f"{value:.4g}{unit}: that is right for {whose}.")
     for mistake in number.mistakes:
         # In parts: a small wrong number must not pass for another small wrong number.
         if math.isclose(value, mistake.function(student), rel_tol=number.likeness):
             return verdict(Outcome.WRONG, mistake.message, mistake.name)
-    text = f"{value:.4g}{unit} is not within {number.tolerance:.2g}{unit} of the truth for {whose}."
+    text = f"{value:.4g}{unit}: not within {number.tolerance:.2g}{unit} of the truth for {whose}."
     return verdict(Outcome.WRONG, text)
 
 
@@ -290,7 +290,7 @@ def _judge_score(exercise: Exercise, cases: Sequence[Case], ask: Ask) -> Verdict
     share = exercise.score.share(worst)
     mistake = None if share == 1.0 else _recognise(exercise, cases, replies)
     limit, unit = exercise.score.levels[0][0], exercise.score.unit
-    text = f"Worst case {worst:.3g} {unit}; {limit:g} {unit} earns all points."
+    text = f"Worst case {worst:.3g} {unit}; at most {limit:g} earns all points."
     if mistake:
         text += f" {mistake.message}"
     outcome = Outcome.PASSED if share else Outcome.WRONG
