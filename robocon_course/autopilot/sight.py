@@ -220,10 +220,6 @@ class Sight:
             self.silos[silo] += letter
             self._read[silo].clear()
 
-    def filled(self, silo: int) -> None:
-        """A silo turned out to be of no use: it counts as full until it is seen again."""
-        self.silos[silo] = (self.silos[silo] + "???")[: field.SILO_CAPACITY]
-
     # --- inside -----------------------------------------------------------------------------------
 
     def _detections(self, frame: Frame, kind: str) -> Detections:
