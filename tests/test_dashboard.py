@@ -341,9 +341,9 @@ def test_what_is_told_on_two_topics_is_one_line_of_the_log_but_warnings_are_coun
 
 def test_numbers_that_are_for_a_recording_are_not_shown(match):
     match.say("/operator", messages.Button("set_up", "blue -0.0136592 1 1"))
-    match.say("/operator", messages.Button("colour", "blue"))
+    match.say("/operator", messages.Button("placed", "0.5 5.5 0.0136592 5.0"))
     words = match.text("events")
-    assert "operator: set_up" in words and "operator: colour blue" in words
+    assert "operator: set_up blue" in words and "operator: placed" in words
     assert "0.0136592" not in words
 
 

@@ -31,8 +31,6 @@ State University, 2024."""
 
 AGAIN = 0.05
 """The same words so soon after are one event [s]."""
-FOR_LOGS = ("set_up", "placed")
-"""What the crew did: its numbers are for a recording, not for a reader."""
 
 
 class Entry(NamedTuple):
@@ -239,8 +237,9 @@ class Inbox:
             self.set_up, value = message, str(value).partition(" ")[0]
         if name == "start":
             self.trail.clear()
-        words = name if name in FOR_LOGS else f"{name} {value}".strip()
-        self.note("operator", words)
+        if name == "placed":  # where, is for a recording
+            value = ""
+        self.note("operator", f"{name} {value}".strip())
 
     def _score(self, message: Any) -> None:
         if message.winner:
