@@ -10,8 +10,6 @@ from collections.abc import Callable
 from math import atan2, cos, hypot, inf, pi, remainder, sin
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from robocon_course import field
 from robocon_course.autopilot.driver import DRIVES, SOUTH
 from robocon_course.autopilot.route import DriveLimits
@@ -105,7 +103,7 @@ def _search_balls(pilot: Autopilot) -> Order:
 
 
 def _push(pilot: Autopilot) -> Order:
-    """Straight at a ball of ours among the others, each time at the next one from south to north."""
+    """Straight at a ball of ours among the others, each time at the next from south to north."""
     if "push" not in pilot.notes:
         balls = pilot.sight.balls
         among = [ball for ball in balls if ball.colour == pilot.team] or balls
