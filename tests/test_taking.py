@@ -134,6 +134,20 @@ def test_a_ball_is_seen_where_its_colour_was_found_in_the_last_picture():
     assert not sight.sees(SeenBall(2.0, 10.0, "red"))
 
 
+@pytest.mark.parametrize("number", [-1, 3, 99])
+def test_a_class_that_no_network_has_is_no_ball(number):
+    from robocon_course.robot import Frame
+    from robocon_course.vision import Detections
+
+    sight = Sight(Parts())
+    sight.remember(1.0, np.array((2.0, 10.0, pi)))
+    box = np.array([[150.0, 100.0, 180.0, 130.0]], np.float32)
+    found = {k: Detections(box, np.array([0.9], np.float32), np.array([k])) for k in (2, number)}
+    for said in found.values():
+        sight.look(Frame(1.0, 0.0, 0.4, None, {"ball": said}), "ball")
+    assert len(sight.tracks) == 1 and sight.found[1].class_ids.tolist() == []
+
+
 # --- how fast --------------------------------------------------------------------------------
 
 

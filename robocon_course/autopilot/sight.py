@@ -15,7 +15,7 @@ from robocon_course.autopilot.parts import Parts
 from robocon_course.field.standing import standing
 from robocon_course.mission import SeenBall
 from robocon_course.robot import MODULES, SIDE, Frame
-from robocon_course.vision import BALLS, SILOS, Camera, Detections, Sighting, load_detector
+from robocon_course.vision import BALLS, CLASSES, SILOS, Camera, Detections, Sighting, load_detector
 from robocon_course.vision.camera import camera_pose
 from robocon_course.vision.locate import bearing_and_range, both_rulers, on_floor
 
@@ -199,7 +199,7 @@ class Sight:
         time, pose = min(self._poses, key=lambda known: abs(known[0] - frame.time))
         if abs(time - frame.time) > UNPLACED:
             return
-        found = _possible(self._detections(frame, kind))
+        found = _possible(self._detections(frame, kind), kind)
         self.frames += 1
         self.found = (kind, found)
         if len(found.scores):
@@ -294,13 +294,14 @@ class Sight:
             self.silos[silo] = filling
 
 
-def _possible(found: Detections) -> Detections:
-    """Without boxes that no picture can hold."""
+def _possible(found: Detections, kind: str) -> Detections:
+    """Without boxes that no picture can hold, and classes that no network has."""
     boxes = np.asarray(found.boxes, float).reshape(-1, 4)
     size = (CAMERA.width, CAMERA.height)
     inside = ((boxes > (-size[0], -size[1]) * 2) & (boxes < (2 * size[0], 2 * size[1]) * 2)).all(1)
     boxes = np.where(inside[:, None], boxes, 0.0)
     inside &= (boxes[:, 2:] - boxes[:, :2] > LEAST_SIDE).all(1)
+    inside &= (found.class_ids >= 0) & (found.class_ids < len(CLASSES[kind]))
     return found if inside.all() else Detections(*(column[inside] for column in found))
 
 
