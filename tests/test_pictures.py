@@ -67,6 +67,20 @@ def test_a_ball_hidden_but_for_a_sliver_gets_no_box():
     taken = photograph(scene, T)
     assert taken.boxes.shape == (0, 4) and taken.boxes.dtype == np.float32
     assert taken.class_ids.shape == (0,) and taken.class_ids.dtype == np.int64
+    # It is seen all the same: a box that is neither right nor wrong.
+    assert taken.doubtful.shape == (1, 4) and taken.doubtful.dtype == np.float32
+    assert 2.0 <= taken.doubtful[0, 2] - taken.doubtful[0, 0] < 8.0
+
+
+def test_what_is_seen_well_or_not_at_all_is_not_doubtful():
+    scene, T = bare_room(), view_towards((0.0, 0.0, 0.1), (1.0, 0.0, 0.1))
+    scene.add_ball((1.5, 0.0, RADIUS), paint.hsv(220, 0.8, 0.8), 0, np.eye(3))
+    assert photograph(scene, T).doubtful.shape == (0, 4)
+    # Another sport's ball, and one behind a wall.
+    scene.add_ball((1.5, 0.4, RADIUS), paint.hsv(60, 0.8, 0.8), -1, np.eye(3))
+    scene.add_box((2.0, -0.5, 0.0), (2.1, 0.5, 0.5), (0.9, 0.9, 0.1))
+    scene.add_ball((2.5, 0.0, RADIUS), paint.hsv(220, 0.8, 0.8), 0, np.eye(3))
+    assert photograph(scene, T).doubtful.shape == (0, 4)
 
 
 def test_rings_in_front_of_a_ball_leave_its_box_as_it_is():
@@ -94,7 +108,22 @@ def test_a_silo_whose_top_the_border_cuts_off_is_not_named():
     rng, scene = np.random.default_rng(3), bare_room()
     venue.add_silo(scene, rng, (1.0, 0.0, 0.0), SILOS.index("RBR"), venue.silo_make(rng))
     T = view_towards((0.3, 0.0, 0.2), (1.0, 0.0, -0.25))
-    assert len(photograph(scene, T, "silo").boxes) == 0
+    taken = photograph(scene, T, "silo")
+    assert len(taken.boxes) == 0 and taken.doubtful.shape == (1, 4)
+    assert taken.doubtful[0, 1] == 0.0  # it reaches to the upper border
+
+
+def test_a_silo_of_which_a_ball_is_hidden_is_doubtful_and_its_box_holds_what_is_seen():
+    rng, scene = np.random.default_rng(3), bare_room()
+    venue.add_silo(scene, rng, (1.2, 0.0, 0.0), SILOS.index("RBR"), venue.silo_make(rng))
+    T = view_towards((0.0, 0.0, 0.4), (1.2, 0.0, 0.25))
+    whole = photograph(scene, T, "silo")
+    assert len(whole.boxes) == 1 and len(whole.doubtful) == 0
+    scene.add_box((0.7, -0.5, 0.0), (0.75, 0.5, 0.27), (0.9, 0.9, 0.1))
+    behind = photograph(scene, T, "silo")
+    assert len(behind.boxes) == 0 and len(behind.doubtful) == 1
+    np.testing.assert_allclose(behind.doubtful[0, :3], whole.boxes[0, :3], atol=4.0)
+    assert behind.doubtful[0, 3] < whole.boxes[0, 3] - 20.0
 
 
 def test_balls_in_a_silo_touch_and_stay_inside_its_bore():

@@ -14,7 +14,7 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
-from robocon_course import cli
+from robocon_course import cli, files
 from robocon_course.vision import curves, pictures
 from robocon_course.vision.classes import CLASSES
 from robocon_course.vision.detection import WeightsError, letterbox, load_detector
@@ -162,6 +162,45 @@ def test_the_exported_network_answers_as_the_trained_one(trained, tmp_path):
     np.testing.assert_allclose(ours, theirs, atol=1e-3)
 
 
+def test_a_network_of_which_only_the_file_is_left_can_be_trained_on(data, tmp_path):
+    import onnxruntime
+    import torch
+
+    path = files.data_file("weights/ball.onnx")
+    kept = training.reopen(path, data, tmp_path / "again.pt", 64)
+    network = torch.load(kept, weights_only=False)["model"]
+    shown = [pictures.picture("ball", 3, k, (64, 64)).image_bgr for k in range(8)]
+    tensor = np.concatenate([letterbox(image, 64)[0] for image in shown])
+    session = onnxruntime.InferenceSession(str(path))
+    theirs = session.run(None, {"images": tensor})[0]
+    with torch.no_grad():
+        ours = network.eval()(torch.from_numpy(tensor))[0].numpy()
+    np.testing.assert_allclose(ours, theirs, atol=2e-3)
+    # Batch by batch, as in training, it hardly differs: it goes on from where it was.
+    head, inputs = network.model[-1], []
+    head.register_forward_pre_hook(lambda _, given: inputs.append(given[0][0].clone()))
+    with torch.no_grad():
+        network.eval()(torch.from_numpy(tensor))
+        network.train()(torch.from_numpy(tensor))
+    still, training_mode = inputs
+    assert (still - training_mode).std() < 0.2 * still.std()
+
+
+def test_a_file_of_weights_can_be_the_start(data, tmp_path):
+    import onnx
+    import torch
+
+    start = files.data_file("weights/ball.onnx")
+    last = training.train("ball", data, tmp_path / "on", epochs=1, start_from=start, **SMALL)
+    numbers = {
+        one.name: onnx.numpy_helper.to_array(one) for one in onnx.load(start).graph.initializer
+    }
+    layers = torch.load(last, weights_only=False)["model"].state_dict()
+    for name in ("model.0.conv.weight", "model.9.cv2.conv.weight", "model.22.cv3.0.2.weight"):
+        ours, theirs = layers[name].float().numpy().ravel(), numbers[name].ravel()
+        assert np.corrcoef(ours, theirs)[0, 1] > 0.95
+
+
 def test_another_run_can_be_the_start(trained, data, tmp_path):
     _, last, _ = trained
     training.train("ball", data, tmp_path / "next", epochs=1, start_from=last, **SMALL)
@@ -240,6 +279,7 @@ def test_half_precision_gives_nearly_the_same_losses(monkeypatch):
         ({"validate_every": 0}, "at least 1"),
         ({"start_from": "nowhere.pt"}, "start_from: give the last.pt"),
         ({"start_from": __file__}, "start_from: give the last.pt"),
+        ({"start_from": "nowhere.onnx"}, "not there"),
     ],
 )
 def test_what_cannot_be_trained_is_refused(data, tmp_path, change, rule):

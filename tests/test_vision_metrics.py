@@ -83,6 +83,34 @@ def test_pictures_need_not_come_with_the_surest_first():
     assert scored.hits[scored.scores == 0.9] and not scored.hits[scored.scores == 0.3]
 
 
+def test_a_report_of_what_is_doubtful_is_not_judged():
+    true, doubtful = np.array([[0, 0, 10, 10]]), np.array([[50, 0, 60, 10], [0, 0, 10, 9]])
+    boxes = np.array([[0, 0, 10, 10], [50, 0, 60, 8], [50, 0, 60, 8], [50, 0, 60, 4]])
+    found = Detections(boxes, np.array([0.9, 0.8, 0.7, 0.6]), np.array([0, 0, 1, 0]))
+    strict = score_pictures([(found, true, [0])], 2)
+    assert strict.hits.tolist() == [True, False, False, False]
+    # Whatever it is called; but a box that hardly covers it was reported in vain.
+    scored = score_pictures([(found, true, [0], doubtful)], 2)
+    assert scored.scores.tolist() == [0.9, 0.6] and scored.hits.tolist() == [True, False]
+    assert scored.truths.tolist() == strict.truths.tolist() == [1, 0]
+
+
+def test_what_is_doubtful_excuses_no_error_about_what_is_not():
+    true, doubtful = np.array([[0, 0, 10, 10]]), np.array([[0, 0, 10, 8]])
+    boxes = np.array([[0, 0, 10, 10], [0, 0, 10, 9.5], [0, 0, 10, 9.5]])
+    found = Detections(boxes, np.array([0.9, 0.8, 0.7]), np.array([0, 0, 1]))
+    scored = score_pictures([(found, true, [0], doubtful)], 2)
+    # Twice reported, and under a wrong name.
+    assert scored.hits.tolist() == [True, False, False]
+
+
+def test_nothing_doubtful_changes_nothing():
+    pictures = random_pictures(np.random.default_rng(3))
+    none = [(*one, np.empty((0, 4))) for one in pictures]
+    for there, here in zip(score_pictures(pictures, 4), score_pictures(none, 4), strict=True):
+        np.testing.assert_array_equal(there, here)
+
+
 def test_what_is_right_equals_ultralytics():
     pytest.importorskip("robocon_course.vision.training")
     import torch

@@ -21,6 +21,8 @@ from robocon_course.vision.pictures import picture
 FOLDER = Path(__file__).resolve().parent
 PHOTOGRAPHS = FOLDER.parents[2] / "shared" / "data" / "balls_robocon2024"
 TEST_SEED, TEST_PICTURES = 777_000, 600
+LOOSE = 0.3
+"""An overlap at which hand-drawn boxes that leave out a ball's rim still count as boxes of it."""
 MADE = json.loads((FOLDER / "made.json").read_text(encoding="utf-8"))
 """How each network was trained: filled in by whoever trains it."""
 
@@ -32,8 +34,13 @@ def synthetic(kind: str) -> dict:
     for index in range(TEST_PICTURES):
         taken = picture(kind, TEST_SEED, index, None)
         found = detector.detect(taken.image_bgr, min_score=LOWEST)
-        rows.append((found, taken.boxes, taken.class_ids))
-    return figures(kind, rows) | {"pictures": TEST_PICTURES, "seed": TEST_SEED}
+        rows.append((found, taken.boxes, taken.class_ids, taken.doubtful))
+    return {
+        **figures(kind, [row[:3] for row in rows]),
+        "doubtful_set_aside": figures(kind, rows),
+        "pictures": TEST_PICTURES,
+        "seed": TEST_SEED,
+    }
 
 
 def photographs() -> dict:
@@ -46,12 +53,13 @@ def photographs() -> dict:
         boxes = xyxy_from_yolo(lines, *image.shape[1::-1])
         ids = np.array([CLASSES["ball"].index(names[int(k)]) for k in lines[:, 0]])
         rows.append((detector.detect(image, min_score=LOWEST), boxes, ids))
-    return figures("ball", rows) | {"pictures": len(rows)}
+    loose = figures("ball", rows, LOOSE)["map50"]
+    return figures("ball", rows) | {"map_loose": loose, "pictures": len(rows)}
 
 
-def figures(kind: str, rows: list) -> dict:
-    """mAP at an overlap of 0.5, and of each class."""
-    each = average_precisions(score_pictures(rows, len(CLASSES[kind])))
+def figures(kind: str, rows: list, min_iou: float = 0.5) -> dict:
+    """mAP at an overlap, and of each class."""
+    each = average_precisions(score_pictures(rows, len(CLASSES[kind]), min_iou))
     classes = dict(zip(CLASSES[kind], np.round(each, 4).tolist(), strict=True))
     return {"map50": round(float(np.nanmean(each)), 4), "classes": classes}
 
@@ -62,19 +70,24 @@ def in_words(card: dict) -> str:
     table = ["| | ball | silo |", "|---|---|---|"]
     for what in MADE["ball"]:
         table.append(f"| {what} | {MADE['ball'][what]} | {MADE['silo'][what]} |")
-    rows = [f"{card[kind]['synthetic']['map50']:.3f}" for kind in ("ball", "silo")]
-    table.append(
-        f"| mAP@0.5, {TEST_PICTURES} drawn pictures, seed {TEST_SEED} | {' | '.join(rows)} |"
-    )
+    drawn = [card[kind]["synthetic"] for kind in ("ball", "silo")]
+    test = f"mAP@0.5, {TEST_PICTURES} drawn pictures, seed {TEST_SEED}"
+    for what, found in (
+        (f"{test}, every report judged", drawn),
+        (f"{test}, doubtful things set aside", [one["doubtful_set_aside"] for one in drawn]),
+    ):
+        ball, silo = (one["map50"] for one in found)
+        table.append(f"| {what} | {ball:.3f} | {silo:.3f} |")
     table.append("| published for the source's robot, on its own photographs | 0.968 | 0.994 |")
     seen = card["ball"].get("photographs")
     if seen:
         table.append(
             f"| mAP@0.5, {seen['pictures']} photographs of the real balls | {seen['map50']:.3f} | |"
         )
+        table.append(f"| the same at an overlap of {LOOSE} | {seen['map_loose']:.3f} | |")
     each = []
     for kind in ("ball", "silo"):
-        found = card[kind]["synthetic"]["classes"]
+        found = card[kind]["synthetic"]["classes"]  # every report judged
         each.append(f"{kind}: " + ", ".join(f"{name} {ap:.3f}" for name, ap in found.items()))
     at, by = lines.index("(table)"), lines.index("(classes)")
     lines[by : by + 1] = [f"- {line}" for line in each]

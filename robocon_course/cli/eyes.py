@@ -96,7 +96,7 @@ def train(
     seed: Annotated[int, typer.Option(help="Of weights, order and augmentation.")] = 0,
     device: Annotated[str, typer.Option(help="cpu, 0 for a GPU, 0,1 for two.")] = "cpu",
     start_from: Annotated[
-        Path | None, typer.Option(help="Checkpoint (.pt) of your own to start from.")
+        Path | None, typer.Option(help="Checkpoint (.pt) of your own, or .onnx, to start from.")
     ] = None,
 ) -> None:
     """Train YOLOv8n from scratch and export it as KIND.onnx. Nothing is downloaded or sent.

@@ -172,6 +172,9 @@ def score_pictures(pictures: Sequence[tuple], classes: int, min_iou: float = 0.5
     Parameters
     ----------
     pictures : sequence of (detections, true boxes (m, 4), true class numbers (m,))
+        With or without a fourth: doubtful boxes (k, 4), see `pictures.Picture`. A detection that
+        found no true box, and overlaps a doubtful one enough and better than any true one, is then
+        not judged at all: the "difficult" objects of PASCAL VOC, but that no class is asked for.
     classes : int
     min_iou : float
 
@@ -181,12 +184,18 @@ def score_pictures(pictures: Sequence[tuple], classes: int, min_iou: float = 0.5
     """
     scores, hits, ids = [np.empty(0)], [np.empty(0, bool)], [np.empty(0, np.int64)]
     truths = np.zeros(classes, np.int64)
-    for found, true_boxes, true_ids in pictures:
+    for found, true_boxes, true_ids, *doubtful in pictures:
         order = np.argsort(-found.scores, kind="stable")
         boxes, said = found.boxes[order], found.class_ids[order]
-        scores.append(found.scores[order])
-        ids.append(said)
-        hits.append(match_detections(boxes, said, true_boxes, true_ids, min_iou))
+        right = match_detections(boxes, said, true_boxes, true_ids, min_iou)
+        judged = np.ones(len(right), bool)
+        if doubtful:
+            unsure = box_iou(boxes, doubtful[0]).max(axis=1, initial=0.0)
+            true = box_iou(boxes, true_boxes).max(axis=1, initial=0.0)
+            judged = right | (unsure < min_iou) | (unsure <= true)
+        scores.append(found.scores[order][judged])
+        ids.append(said[judged])
+        hits.append(right[judged])
         truths += np.bincount(true_ids, minlength=classes)
     return Scored(np.concatenate(scores), np.concatenate(hits), np.concatenate(ids), truths)
 

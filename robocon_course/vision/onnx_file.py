@@ -1,4 +1,4 @@
-"""A trained network as an .onnx file. Importing this loads torch; opening the file does not."""
+"""A trained network as an .onnx file, and back. Importing this loads torch; opening it does not."""
 
 from __future__ import annotations
 
@@ -8,10 +8,23 @@ import shutil
 import tempfile
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from robocon_course.vision.curves import TrainingError
-from robocon_course.vision.trainer import YOLO, ensure_torchvision, read_checkpoint, torch
+from robocon_course.vision.inspection import PICTURES
+from robocon_course.vision.reading import letterbox
+from robocon_course.vision.trainer import (
+    RECIPE,
+    YOLO,
+    Network,
+    ensure_torchvision,
+    read_checkpoint,
+    torch,
+)
+
+SAMPLE = 256
+"""Pictures over which a reopened network's batch normalization is set."""
 
 
 def export(checkpoint: str | Path, to: str | Path, image_size: int | None = None) -> Path:
@@ -82,3 +95,91 @@ def _compare(copy: Path, made: str, size: int) -> None:
     worst = float(np.abs(ours - theirs).max())
     if not worst < 0.1:  # pixels; scores are far closer
         raise TrainingError(f"{copy.name}: exported, it answers otherwise by {worst:.3g} pixels")
+
+
+def reopen(weights: str | Path, data: str | Path, to: str | Path, image_size: int = 320) -> Path:
+    """A checkpoint to train on from, of a network of which only the .onnx file is left.
+
+    In the file each convolution has its batch normalization folded into it. Here each gets one
+    again that undoes nothing of what it answers: mean and variance of what it sees on pictures of
+    the data set, and a scale and shift that give back the mean and the variance.
+
+    Parameters
+    ----------
+    weights : path
+        As `export` wrote it.
+    data : path
+        Folder of a data set with training pictures like those to be trained on.
+    to : path
+        The checkpoint to write.
+    image_size : int  [pixels]
+
+    Returns
+    -------
+    Path
+        `to`.
+
+    Raises
+    ------
+    TrainingError
+        Not a network that `export` wrote.
+    """
+    import onnx
+
+    if not Path(weights).is_file():
+        raise TrainingError(f"{weights} is not there; give an .onnx file that was exported")
+    ensure_torchvision()
+    try:
+        model = onnx.load(weights)
+        noted = {entry.key: entry.value for entry in model.metadata_props}
+        names = ast.literal_eval(noted["names"])
+        numbers = {one.name: onnx.numpy_helper.to_array(one) for one in model.graph.initializer}
+        network = Network(RECIPE, nc=len(names), ch=3, verbose=False)
+        biases = _fill(network, numbers)
+    except Exception:  # whatever other bytes and other networks raise
+        raise TrainingError(f"{weights} is no network that `robocon train` exported") from None
+    listed = sorted((Path(data) / "images" / "train").iterdir())
+    paths = [path for path in listed if path.suffix.lower() in PICTURES]
+    chosen = np.random.default_rng(0).permutation(len(paths))[:SAMPLE]
+    some = [letterbox(cv2.imread(str(paths[k])), image_size)[0] for k in chosen]
+    _normalize(network, biases, torch.from_numpy(np.concatenate(some)))
+    network.names = names
+    noted = {"epoch": -1, "model": network, "ema": None, "train_args": {"imgsz": image_size}}
+    torch.save(noted, to)
+    return Path(to)
+
+
+def _fill(network: Network, numbers: dict) -> dict:
+    """The file's numbers into the convolutions; the biases of those that have none themselves."""
+    biases = {}
+    for name, layer in network.named_modules():
+        if isinstance(layer, torch.nn.Conv2d):
+            layer.weight.data.copy_(torch.tensor(numbers[f"{name}.weight"]))
+            if f"{name}.bias" in numbers:
+                bias = torch.tensor(numbers[f"{name}.bias"])
+                if layer.bias is None:
+                    biases[name.removesuffix("conv") + "bn"] = bias
+                else:
+                    layer.bias.data.copy_(bias)
+    return biases
+
+
+def _normalize(network: Network, biases: dict, pictures: torch.Tensor) -> None:
+    """Set each batch normalization, in the order in which they are run."""
+
+    def set_by(layer: torch.nn.BatchNorm2d, bias: torch.Tensor, seen: torch.Tensor) -> None:
+        layer.running_var, layer.running_mean = torch.var_mean(seen, (0, 2, 3), correction=0)
+        layer.weight.data = torch.sqrt(layer.running_var + layer.eps)
+        layer.bias.data = layer.running_mean + bias
+
+    layers = dict(network.named_modules())
+    hooks = [
+        layers[name].register_forward_pre_hook(
+            lambda layer, seen, bias=bias: set_by(layer, bias, seen[0])
+        )
+        for name, bias in biases.items()
+    ]
+    with torch.no_grad():
+        network.eval()(pictures)
+    for hook in hooks:
+        hook.remove()

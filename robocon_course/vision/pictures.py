@@ -25,6 +25,8 @@ LEAST_SHARE = {"ball": 0.15, "silo": 0.6}
 """Nor anything of which less than this share is seen."""
 LEAST_OF_A_FILLING = 0.4
 """Nor a silo with a ball of which less than this share is seen: nobody could name its filling."""
+SEEN_AT_ALL = 2.0
+"""Of what gets no box, a part this wide and high can still be seen, and is doubtful [pixels]."""
 SIZES = ((320, 240), (320, 180), (320, 320), (320, 240))
 """Shapes of picture that are drawn when none is asked for."""
 
@@ -39,11 +41,15 @@ class Picture(NamedTuple):
         Left, top, right, bottom of the visible part [pixels].
     class_ids : ndarray of int64, shape (n,)
         By the order of `classes.CLASSES`.
+    doubtful : ndarray of float32, shape (k, 4)
+        Boxes like the others, around what is seen and yet too little for a label: who reports it is
+        not wrong, and who does not misses nothing. Data sets do not hold them.
     """
 
     image_bgr: NDArray[np.uint8]
     boxes: NDArray[np.float32]
     class_ids: NDArray[np.int64]
+    doubtful: NDArray[np.float32]
 
 
 def picture(kind: str, seed: int, index: int, size: tuple[int, int] | None = (320, 240)) -> Picture:
@@ -113,8 +119,7 @@ def take(
         film.to_linear(textures), paint.field_map(), paints, paint.grain(),
     )  # fmt: skip
     image = film.develop(light, (camera.width, camera.height), on, rng)
-    boxes, class_ids = visible(scene, view[2], fine, T_map_camera, kind)
-    return Picture(image, boxes, class_ids)
+    return Picture(image, *visible(scene, view[2], fine, T_map_camera, kind))
 
 
 def _paints(scene: Scene) -> FloatArray:
@@ -123,45 +128,57 @@ def _paints(scene: Scene) -> FloatArray:
 
 def visible(
     scene: Scene, what: NDArray[np.int32], fine: Camera, T_map_camera: FloatArray, kind: str
-) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
-    """Boxes around the visible part of each ball, or of each silo with its balls."""
+) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32]]:
+    """Boxes around the visible part of each ball, or of each silo with its balls.
+
+    Those with a label, their classes, and those of which too little is seen for one.
+    """
     first = len(scene.rects)
     total = first + len(scene.balls) + len(scene.cages)
     found = render.spans(what, first, total)
     seen = _balls if kind == "ball" else _silos
-    boxes, ids = seen(scene, fine, T_map_camera, found[0][first:], found[1][first:])
+    boxes, ids, enough = seen(scene, fine, T_map_camera, found[0][first:], found[1][first:])
     boxes = np.array(boxes, np.float32).reshape(-1, 4) / FINENESS
-    wide = (boxes[:, 2:] - boxes[:, :2]).min(axis=1, initial=np.inf) >= LEAST_SIDE[kind]
-    return boxes[wide], np.array(ids, np.int64)[wide]
+    side = (boxes[:, 2:] - boxes[:, :2]).min(axis=1, initial=np.inf)
+    named = np.array(enough, bool) & (side >= LEAST_SIDE[kind])
+    doubtful = ~named & (side >= SEEN_AT_ALL)
+    return boxes[named], np.array(ids, np.int64)[named], boxes[doubtful]
 
 
-Boxes = tuple[list[FloatArray], list[int]]
+Boxes = tuple[list[FloatArray], list[int], list[bool]]
 
 
 def _balls(
     scene: Scene, fine: Camera, T_map_camera: FloatArray, spans: FloatArray, counts: FloatArray
 ) -> Boxes:
-    """Boxes [rays] and colours of the balls of which enough is seen."""
+    """Boxes [rays] and colours of the balls that are seen, and whether enough is."""
     least = LEAST_SHARE["ball"] * render.whole_ball(scene, fine, T_map_camera)
-    kept = [k for k, b in enumerate(scene.balls) if b.label >= 0 and counts[k] >= least[k]]
-    return [spans[k] for k in kept], [scene.balls[k].label for k in kept]
+    kept = [k for k, b in enumerate(scene.balls) if b.label >= 0 and counts[k] > 0]
+    ids = [scene.balls[k].label for k in kept]
+    return [spans[k] for k in kept], ids, [counts[k] >= least[k] for k in kept]
 
 
 def _silos(
     scene: Scene, fine: Camera, T_map_camera: FloatArray, spans: FloatArray, counts: FloatArray
 ) -> Boxes:
-    """Boxes [rays] and fillings of the silos of which, and of whose every ball, enough is seen."""
+    """Boxes [rays] and fillings of the silos that are seen, and whether enough is.
+
+    Enough of the silo, and of its every ball.
+    """
     whole = render.whole_cage(scene, fine, T_map_camera)
     least = LEAST_OF_A_FILLING * render.whole_ball(scene, fine, T_map_camera)
-    boxes, ids = [], []
+    boxes, ids, enough = [], [], []
     for k, cage in enumerate(scene.cages):
         held = [b for b, ball in enumerate(scene.balls) if ball.cage == k]
-        cage_itself = len(scene.balls) + k
-        if counts[cage_itself] == 0 or any(counts[b] < least[b] for b in held):
+        parts = [part for part in (len(scene.balls) + k, *held) if counts[part] > 0]
+        if not parts:
             continue
-        parts = spans[[cage_itself, *held]]
-        box = np.r_[parts[:, :2].min(axis=0), parts[:, 2:].max(axis=0)]
-        if np.prod(box[2:] - box[:2]) >= LEAST_SHARE["silo"] * whole[k]:
-            boxes.append(box)
-            ids.append(cage.filling)
-    return boxes, ids
+        box = np.r_[spans[parts, :2].min(axis=0), spans[parts, 2:].max(axis=0)]
+        boxes.append(box)
+        ids.append(cage.filling)
+        enough.append(
+            counts[len(scene.balls) + k] > 0
+            and all(counts[b] >= least[b] for b in held)
+            and np.prod(box[2:] - box[:2]) >= LEAST_SHARE["silo"] * whole[k]
+        )
+    return boxes, ids, enough

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ import yaml
 
 from robocon_course.vision.classes import CLASSES, classes_of
 from robocon_course.vision.curves import Epoch, TrainingError, forget_after, history
-from robocon_course.vision.onnx_file import export
+from robocon_course.vision.onnx_file import export, reopen
 from robocon_course.vision.trainer import (
     RECIPE,
     YOLO,
@@ -38,6 +39,7 @@ __all__ = [
     "ensure_torchvision",
     "export",
     "history",
+    "reopen",
     "train",
 ]
 
@@ -95,7 +97,8 @@ def train(
     device : str
         ``"cpu"``, ``"0"`` for a first GPU, ``"0,1"`` for two of them. May change when it goes on.
     start_from : path, optional
-        A checkpoint of your own whose layers serve as the start, as far as they fit.
+        A checkpoint of your own, or an .onnx file that `export` wrote, whose layers serve as the
+        start, as far as they fit.
     validate_every : int  [epochs]
         After the last epoch it is validated in any case.
     progress : callable, optional
@@ -134,16 +137,24 @@ def train(
             "seed": seed, "pretrained": str(start_from) if start_from else False,
         }  # fmt: skip
     torch.set_num_threads(_cores())
-    trainer = Trainer(overrides=given)
-    trainer.report(validate_every, progress)
-    try:
-        trainer.train()
-    except subprocess.CalledProcessError:
-        raise TrainingError(
-            f"device: the training on GPUs {device} ended in an error, told above; the same call "
-            "goes on after its last epoch"
-        ) from None
+    with tempfile.TemporaryDirectory() as folder:
+        if begun is None and _is_onnx(start_from):
+            start = Path(folder) / "start.pt"
+            given["pretrained"] = str(reopen(start_from, data, start, image_size))
+        trainer = Trainer(overrides=given)
+        trainer.report(validate_every, progress)
+        try:
+            trainer.train()
+        except subprocess.CalledProcessError:
+            raise TrainingError(
+                f"device: the training on GPUs {device} ended in an error, told above; the same "
+                "call goes on after its last epoch"
+            ) from None
     return last
+
+
+def _is_onnx(start_from: str | Path | None) -> bool:
+    return start_from is not None and Path(start_from).suffix == ".onnx"
 
 
 def _settings(run: Path, epochs: int, image_size: int, batch: int, rate: float) -> dict[str, Any]:
@@ -226,7 +237,7 @@ def _refuse_folder(run: Path, data: Path) -> None:
 
 def _refuse_start(start_from: str | Path | None) -> None:
     """A file that is not there is refused here: Ultralytics would look for it in the network."""
-    if start_from is not None:
+    if start_from is not None and not _is_onnx(start_from):
         read_checkpoint(Path(start_from), "start_from: give the last.pt of a training of your own")
 
 
