@@ -76,17 +76,17 @@ strewn += [(2.05, 10.7, "purple")]
 # %%
 images, reports, words, ranges = [], [], [], []
 for y in np.linspace(8.45, 9.55, 8):
-    image, true_boxes, _ = eye.look((1.1, y, pi / 2), tilt=0.3, balls=lying(*strewn))
-    seen = ball_eye.detect(image)
+    taken = eye.look((1.1, y, pi / 2), tilt=0.3, balls=lying(*strewn))
+    seen = ball_eye.detect(taken.image_bgr)
     target, caption = vision.nearest_own_ball(seen, "red"), "no red ball"
     if target is not None:
         spot = vision.locate_ball(seen.boxes[target], eye.camera, 0.3, MOUNT[2])
         caption = f"nearest red ball: {spot.range:.2f} m, {np.degrees(spot.bearing):+.0f}°"
         ranges.append(spot.range)
-    images, reports, words = [*images, image], [*reports, seen], [*words, caption]
+    images, reports, words = [*images, taken.image_bgr], [*reports, seen], [*words, caption]
 show(
     looking.film(images, reports, words),
-    f"Every ball gets a box and a score: {len(reports[-1].scores)} boxes in the last picture, where {len(true_boxes)} "
+    f"Every ball gets a box and a score: {len(reports[-1].scores)} boxes in the last picture, where {len(taken.boxes)} "
     f"balls are in view. The nearest red one comes from {ranges[0]:.1f} m to {ranges[-1]:.1f} m.",
 )
 
