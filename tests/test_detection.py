@@ -368,3 +368,31 @@ def test_the_silos_of_the_photographs_hold_what_they_hold(name):
     whole = found.boxes[:, 0] > 0.02 * image.shape[1]  # one is cut by the left border
     found = detection.Detections(*(part[whole] for part in found))
     assert list(silo_contents(found)) == CONTENTS[name]
+
+
+# --- another size ----------------------------------------------------------------------------
+
+
+def test_the_same_network_looks_at_larger_pictures_and_finds_the_same_balls():
+    detector, taken = load_detector("ball"), picture("ball", 17, 1)
+    large = detector.with_size(480)
+    assert (detector.size, large.size) == (320, 480)
+    assert max(large.letterbox(taken.image_bgr)[0].shape) == 480
+    small, big = (one.detect(taken.image_bgr, min_score=0.6) for one in (detector, large))
+    assert len(small.scores) > 0
+    best = box_iou(small.boxes, big.boxes).max(axis=1)
+    assert (best > 0.7).all()
+
+
+@pytest.mark.parametrize("size", [0, 16, 100, 320.0, "480", True, -32])
+def test_a_size_that_no_network_takes_is_refused(size):
+    with pytest.raises(ValueError, match="size: expected a multiple of 32 pixels"):
+        load_detector("ball").with_size(size)
+
+
+def test_a_network_for_squares_of_one_size_takes_no_other(tmp_path):
+    detector = load_detector(small_network(tmp_path / "mine.onnx"))
+    if detector.step == detector.size:
+        with pytest.raises(ValueError, match=r"takes 32 pixels only"):
+            detector.with_size(2 * detector.size)
+    assert detector.with_size(detector.size).size == detector.size

@@ -79,6 +79,36 @@ class Detector:
             decode=decode, suppress=suppress,
         )  # fmt: skip
 
+    def with_size(self, size: int) -> Detector:
+        """The same network, looking at pictures of another size.
+
+        Small things are found better in a larger picture, in more time: at 480 pixels, 2.25 times
+        that of 320.
+
+        Parameters
+        ----------
+        size : int  [pixels]
+            Longer side of what it looks at.
+
+        Returns
+        -------
+        Detector
+
+        Raises
+        ------
+        ValueError
+            No multiple of 32, or another size than the only one that its file takes.
+        """
+        whole = isinstance(size, int | np.integer) and not isinstance(size, bool)
+        if self.step == self.size != size:
+            raise ValueError(f"size: this network takes {self.size} pixels only, got {size!r}")
+        if not whole or size < self.step or size % self.step:
+            raise ValueError(f"size: expected a multiple of {self.step} pixels, got {size!r}")
+        return Detector(
+            self._session, self.names, self.min_score, int(size), self.step,
+            decode=self._decode, suppress=self._suppress,
+        )  # fmt: skip
+
     def letterbox(self, image_bgr: NDArray[np.uint8]) -> tuple:
         """A picture as this network takes it, its scale and shift; see `reading.letterbox`."""
         return letterbox(image_bgr, self.size, self.step)
