@@ -37,7 +37,6 @@ from robocon_course.exercises import (
 from robocon_course.simulator.camera import FieldCamera
 from robocon_course.view import explore, figure, looking, pictures, plots, seeing, show
 from robocon_course.vision import Camera, Detections, colour, dataset, evaluation, locate, metrics
-from robocon_course.vision.camera import MOUNT
 from robocon_course.vision.film import Film
 
 student = begin("vision", student=None)  # None: the number you gave in chapter 00
@@ -80,7 +79,7 @@ for y in np.linspace(8.45, 9.55, 8):
     seen = ball_eye.detect(taken.image_bgr)
     target, caption = vision.nearest_own_ball(seen, "red"), "no red ball"
     if target is not None:
-        spot = vision.locate_ball(seen.boxes[target], eye.camera, 0.3, MOUNT[2])
+        spot = vision.locate_ball(seen.boxes[target], eye.camera, 0.3, vision.camera.MOUNT[2])
         caption = f"nearest red ball: {spot.range:.2f} m, {np.degrees(spot.bearing):+.0f}°"
         ranges.append(spot.range)
     images, reports, words = [*images, taken.image_bgr], [*reports, seen], [*words, caption]
@@ -186,7 +185,10 @@ def draw_ball(ahead, left, tilt_deg):
     seen = FieldCamera(seed=2).look(
         (2.0, 10.0, pi), tilt=tilt, balls=lying((1.75 - ahead, 10 - left, "red"))
     )
-    down, deep = MOUNT[2] - 0.095, ahead * np.cos(tilt) + (MOUNT[2] - 0.095) * np.sin(tilt)
+    down, deep = (
+        vision.camera.MOUNT[2] - 0.095,
+        ahead * np.cos(tilt) + (vision.camera.MOUNT[2] - 0.095) * np.sin(tilt),
+    )
     x, y, z = -left, down * np.cos(tilt) - ahead * np.sin(tilt), deep
     u, v = camera.pixels([[x, y, z]])[0]
     half = 0.095 * camera.focal / z
@@ -866,12 +868,15 @@ for spot in spots:
     boxes.append(alone.boxes[lowest] + rng.normal(0.0, locate.EDGE_SIGMA, 4))
 sightings = {
     "by size": [vision.bearing_and_range(box, view, 0.2) for box in boxes],
-    "by floor": [vision.on_floor(box, view, 0.2, MOUNT[2]) for box in boxes],
-    "both": [vision.locate_ball(box, view, 0.2, MOUNT[2]) for box in boxes],
+    "by floor": [vision.on_floor(box, view, 0.2, vision.camera.MOUNT[2]) for box in boxes],
+    "both": [vision.locate_ball(box, view, 0.2, vision.camera.MOUNT[2]) for box in boxes],
 }
 
 # %%
-offset = np.array([spot[:2] for spot in spots]) - (1.1, 8.55 + MOUNT[0])  # the robot looks along y
+offset = np.array([spot[:2] for spot in spots]) - (
+    1.1,
+    8.55 + vision.camera.MOUNT[0],
+)  # the robot looks along y
 true = np.column_stack([np.arctan2(-offset[:, 0], offset[:, 1]), np.hypot(*offset.T)])
 sigmas = {name: [100 * one.range_sigma for one in row] for name, row in sightings.items()}
 show(
@@ -1043,8 +1048,8 @@ show(
 )
 
 # %%
-part = vision.locate_ball(border.boxes[0], Camera(), 0.3, MOUNT[2])
-across, ahead = 10.0 - 9.95, 1.95 - MOUNT[0] - 0.75
+part = vision.locate_ball(border.boxes[0], Camera(), 0.3, vision.camera.MOUNT[2])
+across, ahead = 10.0 - 9.95, 1.95 - vision.camera.MOUNT[0] - 0.75
 off = np.degrees(part.bearing - (np.arctan2(across, ahead) + 0.5))
 far = 100 * (part.range - np.hypot(across, ahead))
 sure = np.degrees(part.bearing_sigma), 100 * part.range_sigma
@@ -1060,11 +1065,11 @@ print(f"with standard deviations of {sure[0]:.1f}° and {sure[1]:.0f} cm")
 
 # %%
 ramp = FieldCamera(seed=12).look((2.75, 10.0, pi), tilt=0.3, balls=lying((1.3, 10.0, "red")))
-true_range, view = 2.75 - MOUNT[0] - 1.3, FieldCamera(seed=12).camera
+true_range, view = 2.75 - vision.camera.MOUNT[0] - 1.3, FieldCamera(seed=12).camera
 print(f"true range {true_range:.2f} m")
 for what, tilt, height in (
-    ("servo's angle alone", 0.3, MOUNT[2]),
-    ("with the slope", 0.3 + np.arctan(0.1), MOUNT[2] + 0.05),
+    ("servo's angle alone", 0.3, vision.camera.MOUNT[2]),
+    ("with the slope", 0.3 + np.arctan(0.1), vision.camera.MOUNT[2] + 0.05),
 ):
     size = vision.bearing_and_range(ramp.boxes[0], view, tilt).range
     ground = vision.on_floor(ramp.boxes[0], view, tilt, height).range
@@ -1153,7 +1158,7 @@ def nearest(parts, image):
     if k is None:
         return found, np.nan
     far = parts.bearing_and_range(found.boxes[k], plain_lens, 0.2).range
-    return found, 100 * (far - np.hypot(9.85 - 8.55 - MOUNT[0], 0.1))
+    return found, 100 * (far - np.hypot(9.85 - 8.55 - vision.camera.MOUNT[0], 0.1))
 
 
 def contents(parts, image):
