@@ -156,10 +156,9 @@ def _search_silo(pilot: Autopilot) -> Order:
         _choose(pilot)
     missing = [silo for silo, fresh in zip(field.SILOS, seen, strict=True) if not fresh]
     at = missing[0] if missing and x > 3.6 else field.SILOS[len(field.SILOS) // 2]
-    pan = remainder(atan2(at[1] - y, at[0] - x) - theta, 2 * pi)
-    watch = "silo" if abs(pan) < WIDE else ""
+    pan, in_view = _aimed(pilot, at)
     target = SILO_X, min(max(y, 9.4), 10.6), 0.0
-    return Order(target, tilt=SILO_TILT, pan=min(max(pan, -WIDE), WIDE), watch=watch)
+    return Order(target, tilt=SILO_TILT, pan=pan, watch="silo" if in_view else "")
 
 
 def _choose(pilot: Autopilot) -> None:
@@ -207,10 +206,15 @@ def _silo_full(pilot: Autopilot) -> Order:
 
 def _looking_at_balls(pilot: Autopilot) -> Order:
     """To where all balls are seen; the camera turns to them before the robot does."""
+    pan, in_view = _aimed(pilot, MIDST)
+    return Order(VIEW_POST, pan=pan, tilt=0.3, watch="ball" if in_view else "")
+
+
+def _aimed(pilot: Autopilot, place: tuple[float, float]) -> tuple[float, bool]:
+    """How far the camera turns towards a place [rad], and whether it can look there at all."""
     x, y, theta = pilot.pose
-    pan = remainder(atan2(MIDST[1] - y, MIDST[0] - x) - theta, 2 * pi)
-    watch = "ball" if abs(pan) < WIDE else ""
-    return Order(VIEW_POST, pan=min(max(pan, -WIDE), WIDE), tilt=0.3, watch=watch)
+    pan = remainder(atan2(place[1] - y, place[0] - x) - theta, 2 * pi)
+    return min(max(pan, -WIDE), WIDE), abs(pan) < WIDE
 
 
 def _free(pilot: Autopilot) -> Order:
