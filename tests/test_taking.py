@@ -14,6 +14,8 @@ from robocon_course.autopilot.route import DriveLimits
 from robocon_course.autopilot.sight import Sight, Track
 from robocon_course.autopilot.taking import approach_to_ball, end_of, may_pull
 from robocon_course.mission import SeenBall, State, approach_from
+from robocon_course.robot import Frame
+from robocon_course.vision import Detections
 
 RED, PURPLE = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 
@@ -87,7 +89,7 @@ def test_the_rollers_turn_only_for_a_ball_that_is_seen_alone_and_straight_ahead(
     tracks, motion, pulls
 ):
     pilot = taking(*tracks, pose=(1.72, 10.0, pi))
-    pilot._motion = motion
+    pilot.motion = motion
     assert may_pull(pilot.notes["approach"], pilot) is pulls
 
 
@@ -102,8 +104,6 @@ def test_far_from_a_ball_the_rollers_stand():
 
 def seen_again(tracks: list[Track], pose=(4.0, 9.0, 0.0)) -> list[Track]:
     """Tracks after a picture, taken by a robot that looks elsewhere, in which nothing is."""
-    from robocon_course.robot import Frame
-
     sight = Sight(Parts())
     sight.tracks = tracks
     sight.remember(1.0, np.array(pose))
@@ -136,9 +136,6 @@ def test_a_ball_is_seen_where_its_colour_was_found_in_the_last_picture():
 
 @pytest.mark.parametrize("number", [-1, 3, 99])
 def test_a_class_that_no_network_has_is_no_ball(number):
-    from robocon_course.robot import Frame
-    from robocon_course.vision import Detections
-
     sight = Sight(Parts())
     sight.remember(1.0, np.array((2.0, 10.0, pi)))
     box = np.array([[150.0, 100.0, 180.0, 130.0]], np.float32)

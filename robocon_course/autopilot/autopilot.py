@@ -91,6 +91,8 @@ class Autopilot:
     walls : Walls
     driver : Driver
         Brings it where the mission wants it.
+    motion : tuple of 2 floats  [m/s, map]
+        How it moves, by its own wheels.
     pushes : int
         How often it drove into the pile.
     speaks : list of (float, str, str)
@@ -133,7 +135,7 @@ class Autopilot:
         self.now, self._leapt = 0.0, 0.0
         self._begins, self._ends, self._began = inf, inf, 0.0
         self._stored: list[float] = []
-        self._watch, self._motion = Watch(), (0.0, 0.0)
+        self._watch, self.motion = Watch(), (0.0, 0.0)
         self._tried = self.pushes = 0
         self._order, self._held, self._sought = Order(), False, -inf
         self.driver = Driver(self.parts, float(self.reckoning.pose[2]))
@@ -199,14 +201,9 @@ class Autopilot:
         return self.now - self.history.since
 
     @property
-    def motion(self) -> tuple[float, float]:
-        """How it moves, by its own wheels [m/s, map]."""
-        return self._motion
-
-    @property
     def speed(self) -> float:
         """How fast it moves [m/s]."""
-        return hypot(*self._motion)
+        return hypot(*self.motion)
 
     @property
     def standing(self) -> bool:
@@ -277,7 +274,7 @@ class Autopilot:
         self._keep_time(now.time)
         x, y, _ = now.pose.tolist()
         last_x, last_y, _ = last.pose.tolist()
-        self._motion = motion = (x - last_x) / now.dt, (y - last_y) / now.dt
+        self.motion = motion = (x - last_x) / now.dt, (y - last_y) / now.dt
         if self.use_walls:
             self.walls, pose = correct(self.walls, now.pose, seen, motion, now.dt)
             if self.state is State.LIDAR_RESET and not self.walls.sure:

@@ -80,7 +80,7 @@ def _still(way: Approach, pilot: Autopilot) -> Approach | None:
     balls = pilot.sight.balls
     straight = bool(pilot.notes.get("straight"))
     close = bool(pilot.notes.get("close"))
-    if straight and (_barred(way, pilot, balls) or (close and _other_at_rollers(way, pilot))):
+    if straight and (_barred(way, pilot) or (close and _other_at_rollers(way, pilot))):
         return None
     own = [ball for ball in balls if ball.colour == pilot.team]
     gaps = [hypot(ball.x - way.ball.x, ball.y - way.ball.y) for ball in own]
@@ -136,10 +136,10 @@ def _other_at_rollers(way: Approach, pilot: Autopilot) -> bool:
     return False
 
 
-def _barred(way: Approach, pilot: Autopilot, balls: list[SeenBall]) -> bool:
+def _barred(way: Approach, pilot: Autopilot) -> bool:
     """Whether another ball has come between the rollers and the ball."""
     far, _ = _seen_from(pilot, way.heading, way.ball)
-    for other in balls:
+    for other in pilot.sight.balls:
         ahead, aside = _seen_from(pilot, way.heading, other)
         in_its_place = hypot(other.x - way.ball.x, other.y - way.ball.y) < 0.12
         in_front = 0.3 < ahead < far - 0.03 and abs(aside) < 0.12
