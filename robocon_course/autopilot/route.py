@@ -43,7 +43,7 @@ class DriveLimits(NamedTuple):
     curvature : float  [1/m]
         The path bends no more.
     arrive : float  [m/s]
-        So fast it may still be at the end of a straight way; one that was searched for ends at rest.
+        So fast it may still be at the end of a straight way; a planned one ends at rest.
     """
 
     speed: float = 2.0
