@@ -392,7 +392,7 @@ def test_a_size_that_no_network_takes_is_refused(size):
 
 def test_a_network_for_squares_of_one_size_takes_no_other(tmp_path):
     detector = load_detector(small_network(tmp_path / "mine.onnx"))
-    if detector.step == detector.size:
-        with pytest.raises(ValueError, match=r"takes 32 pixels only"):
-            detector.with_size(2 * detector.size)
+    assert detector.step == detector.size == 32
+    with pytest.raises(ValueError, match=r"takes 32 pixels only, got 64"):
+        detector.with_size(64)
     assert detector.with_size(detector.size).size == detector.size
