@@ -167,6 +167,23 @@ def test_a_match_that_nobody_plays_ends_after_three_minutes_without_a_winner():
     assert match.balls.xy[match.balls.free, 1].min() > 8.0
 
 
+@pytest.mark.parametrize(("sent", "balls", "points"), [(0, 0, 120), (5, 5, 170), (15, 15, 240)])
+def test_a_measurement_may_have_other_balls_and_those_beyond_the_rules_are_worth_nothing(
+    sent, balls, points
+):
+    others, referee = Others("red", None, {"feed": np.random.default_rng(1)}, sent), Referee("R")
+    floor = Balls(np.empty((0, 2)), [])
+    for tick in range(18_000):
+        others.act(0.01 * tick, referee, floor)
+    assert len(floor.xy) == balls and referee.points == {"own": points, "theirs": points}
+
+
+@pytest.mark.parametrize("sent", [-1, 2.5, "12", None])
+def test_a_number_of_balls_that_is_none_is_refused(sent):
+    with pytest.raises(CourseError, match="sent: expected a whole number, 0 or more"):
+        Match(0, sent=sent)
+
+
 def test_no_more_balls_are_sent_than_seedlings_were_planted(monkeypatch):
     monkeypatch.setattr("robocon_course.simulator.others.FEED", (1.0, 1.0))
     match = begun()

@@ -81,7 +81,7 @@ class Match:
     Raises
     ------
     CourseError
-        Another team, opponent or fault, a seed that is none.
+        Another team, opponent or fault, a seed or a number of balls that is none.
     """
 
     def __init__(
@@ -100,8 +100,9 @@ class Match:
         refuse("opponent", opponent, (None, *OPPONENTS))
         for fault in faults:
             refuse("faults", fault.kind, KINDS)
-        if not isinstance(seed, int | np.integer) or seed < 0:
-            raise CourseError(f"seed: expected a whole number, 0 or more, got {seed!r}")
+        for name, number in (("seed", seed), ("sent", sent)):
+            if not isinstance(number, int | np.integer) or number < 0:
+                raise CourseError(f"{name}: expected a whole number, 0 or more, got {number!r}")
         words = np.random.SeedSequence([int(seed), 2024]).spawn(len(STREAMS))
         self._rng = {name: np.random.Generator(np.random.PCG64(w))
                      for name, w in zip(STREAMS, words, strict=True)}  # fmt: skip
