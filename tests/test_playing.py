@@ -7,6 +7,7 @@ import asyncio
 import pytest
 from IPython.core.interactiveshell import InteractiveShell
 
+from robocon_course.robot import Bus
 from robocon_course.view import playing
 from robocon_course.worlds import Play
 
@@ -72,3 +73,25 @@ def test_what_goes_wrong_is_said_at_the_button_and_it_may_be_pressed_again(noteb
 def test_a_match_without_a_bus_is_refused(notebook):
     with pytest.raises(ValueError, match="expected one with a bus"):
         playing.play_live(Play(seed=1, opponent=None))
+
+
+def test_after_the_end_the_robot_stands_and_is_heard_until_the_next_start(notebook, monkeypatch):
+    monkeypatch.setattr("robocon_course.simulator.match.MATCH", 1.0)
+    play = Play(seed=1, opponent=None, bus=Bus())
+
+    async def watch():
+        screen = playing.play_live(play, speed=20.0)
+        screen.controls.start.click()
+        first = play.match
+        while not first.over:
+            await asyncio.sleep(0.05)
+        await asyncio.sleep(2.0)  # longer than a robot may be silent
+        assert screen.inbox.connected() and not screen.inbox.running
+        assert first.robot.motion[1] == pytest.approx((0.0, 0.0, 0.0), abs=1e-3)
+        assert not screen.controls.start.disabled
+        screen.controls.start.click()
+        assert play.match is not first and not play.pilot.stopped
+        screen.close()
+        await screen.task
+
+    asyncio.run(watch())

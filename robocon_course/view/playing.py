@@ -130,11 +130,15 @@ def play_live(play: Play, *, speed: float = 1.0, display_id: str | None = None) 
 
 
 async def _run(play: Play, screen: Dashboard, speed: float) -> None:
-    """Let the simulator keep pace with the clock on the wall."""
+    """Let the simulator keep pace with the clock on the wall.
+
+    After the end the robot stands there and is heard: a silent one would look like a broken link.
+    """
     due = monotonic()
     while not screen.closed:
         for _ in range(max(1, round(SLICE * speed / 0.01))):
-            if not play.match.over:
-                play.tick()
+            play.tick()
+            if play.match.over and not play.pilot.stopped:
+                play.pilot.stop()
         due = max(due + SLICE, monotonic() - LAG)
         await asyncio.sleep(max(0.001, due - monotonic()))
