@@ -545,6 +545,16 @@ def test_start_tells_what_is_chosen_and_then_starts(match):
     assert match.buttons() == [("colour", "blue"), ("side", "right"), ("start", "")]
 
 
+def test_a_half_that_the_robot_does_not_play_in_is_not_shown_as_chosen(match):
+    match.controls.side.value = "right"
+    match.controls.refresh()
+    assert match.controls.side.value == "right", "nobody objected"
+    match.say("/operator", messages.Button("side", "left"))
+    match.told.clear()
+    match.controls.refresh()
+    assert match.controls.side.value == "left" and ("side", "left") not in match.buttons()
+
+
 def test_stop_and_retry_are_told(match):
     match.started().told.clear()
     match.controls.retry.click()

@@ -696,6 +696,18 @@ def test_after_the_end_and_after_a_stop_nobody_drives_by_hand_any_more(half_a_se
         assert not play._by_hand.on
 
 
+def test_the_half_where_nobody_plays_is_refused_in_words_and_told_back():
+    bus, lines, told = Bus(), [], []
+    play = Play(seed=1, opponent=None, bus=bus)
+    bus.subscribe("/rosout", lambda topic, message: lines.append(message.text))
+    bus.subscribe("/operator", lambda topic, button: told.append((button.name, button.value)))
+    bus.publish("/operator", Button("side", "left"))
+    assert lines == [] and bus.failed == []
+    bus.publish("/operator", Button("side", "right"))
+    assert ("side", "left") in told and play.match.started is None
+    assert "side: this field's robot plays in its left half, got 'right'" in lines[0]
+
+
 def test_another_strategy_is_refused():
     with pytest.raises(CourseError, match="strategy: expected one of A, B, ahead, got 'C'"):
         Play(strategy="C")

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 REST = 2.0
 """The robot stands so long before the start: the gyroscope's bias is learnt then [s]."""
+HALF = "left"
+"""Of the field: where the map's x is below 6 m."""
 SET_UP_TAKES = 4.5
 """The crew turns the robot for so long [s]."""
 
@@ -209,6 +211,8 @@ class Play:
             self.start()
         elif name == "colour":
             self._choose_team(str(button.value))
+        elif name == "side":
+            self._refuse_side(button.value)
         elif name == "retry" and match.started is not None and not match.over:
             match.retry()
         else:
@@ -223,6 +227,15 @@ class Play:
         before, self._team = self._team, team
         if self.match.started is None and team != before:
             self._prepare()
+
+    def _refuse_side(self, side: str | float) -> None:
+        """Told back to the screen, that it shows no half in which nobody plays."""
+        if side != HALF:
+            self._tell("side", HALF)
+            raise CourseError(
+                f"side: this field's robot plays in its {HALF} half, got {side!r}; "
+                "only a robot on the link may know the other one"
+            )
 
     def _tell(self, name: str, value: str = "") -> None:
         """What the crew did, for whoever writes it down."""

@@ -194,9 +194,12 @@ class Controls:
             self._tell(name, value)
 
     def _follow_crew(self) -> None:
-        """Show the team that was set up; who was stopped or set up anew is not driven by hand."""
+        """Show the team that was set up, and its half; who was stopped is not driven by hand."""
         if self.manual.value and not self._inbox.manual:
             self.manual.value = False
+        if self._inbox.side in dict(self.side.options):
+            with self._silent():
+                self.side.value = self._inbox.side
         told = self._inbox.set_up
         if told is not self._followed:
             self._followed, team = told, str(told.value).partition(" ")[0]

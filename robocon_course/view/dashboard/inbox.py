@@ -82,6 +82,8 @@ class Inbox:
         Whether an operator took over; a stop, and a crew that sets the robot up, end it.
     set_up : messages.Button or None
         What the crew told last when it set the robot up: its team stands first.
+    side : str
+        The half of the field that was told last, by whomever.
     """
 
     def __init__(self, bus: Bus, clock: Callable[[], float]) -> None:
@@ -95,6 +97,7 @@ class Inbox:
         self.counts = {"warning": 0, "error": 0}
         self.reached = self.running = self.manual = False
         self.set_up: Any = None
+        self.side = "left"
         self._heard: float | None = None
         self._now = 0.0
         self._complained: set[str] = set()
@@ -154,7 +157,7 @@ class Inbox:
         self.entries, self.states = other.entries.copy(), other.states.copy()
         self.trail, self.counts = other.trail.copy(), dict(other.counts)
         self.running, self.reached, self._now = other.running, other.reached, other.now()
-        self.set_up = other.set_up
+        self.set_up, self.side = other.set_up, other.side
 
     def close(self) -> None:
         """Listen no longer."""
@@ -235,6 +238,8 @@ class Inbox:
             self.manual = name == "manual" and value in ("on", 1.0)
         if name == "set_up":  # what follows the team is for the autopilot
             self.set_up, value = message, str(value).partition(" ")[0]
+        if name == "side":
+            self.side = str(value)
         if name == "start":
             self.trail.clear()
         if name == "placed":  # where, is for a recording
