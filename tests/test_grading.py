@@ -451,3 +451,16 @@ def test_grading_touches_neither_the_submission_nor_a_workspace(folder, tmp_path
     assert grade_one(path).points == 1
     assert path.read_bytes() == before and [p.name for p in folder.iterdir()] == ["one.ipynb"]
     assert not (tmp_path / "workspace").exists()
+
+
+def test_a_file_that_was_not_handed_in_is_named(folder, tmp_path):
+    cells = (HEAD, "def find_balls(images):\n    return []", "check('vision.find_balls')")
+    write(folder / "amir.ipynb", *cells)
+    write(folder / "budi.ipynb", *cells)
+    (folder / "budi.onnx").write_bytes(b"no network, but a file")
+    rows = grade_all(find_submissions(folder))
+    assert [row.remark for row in rows] == ["ball.onnx was not handed in", ""]
+    assert [row.reason for row in rows] == ["", ""], "both were judged"
+    write_csv(rows, tmp_path / "t.csv")
+    with (tmp_path / "t.csv").open(encoding="utf-8") as file:
+        assert [line["reason"] for line in csv.DictReader(file)] == [row.remark for row in rows]

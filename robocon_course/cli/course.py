@@ -155,7 +155,7 @@ def grade(
     table = Table("submission", "student", "points", "reason", box=None)
     for row in rows:
         points = f"{row.points:g} / {row.out_of:g}" if not row.reason else "-"
-        table.add_row(escape(row.name), str(row.student), points, escape(row.reason))
+        table.add_row(escape(row.name), str(row.student), points, escape(row.reason or row.remark))
     console.print(table)
     console.print(f"{len(rows)} submissions, table in {escape(str(csv))}")
 

@@ -25,13 +25,17 @@ from robocon_course.grading.submission import (
 
 @dataclass(frozen=True)
 class Row:
-    """One submission's result: verdicts, or the reason why there are none."""
+    """One submission's result: verdicts, or the reason why there are none.
+
+    ``remark`` says what an instructor would otherwise look for: a file that was not handed in.
+    """
 
     name: str
     student: int | str = 0
     verdicts: tuple[Verdict, ...] = ()
     reason: str = ""
     seconds: float = field(default=0.0, compare=False)
+    remark: str = ""
 
     @property
     def points(self) -> float:
@@ -66,7 +70,8 @@ def grade_one(path: Path, *, time_limit: float = 60.0) -> Row:
     except Exception as error:  # one broken submission never stops the batch
         reason = f"could not be judged ({type(error).__name__}: {error})"
         return Row(path.name, reason=reason, seconds=time.monotonic() - started)
-    return Row(path.name, submission.student, verdicts, "", time.monotonic() - started)
+    seconds, remark = time.monotonic() - started, _missing_files(submission, exercises)
+    return Row(path.name, submission.student, verdicts, "", seconds, remark)
 
 
 def grade_all(
@@ -105,8 +110,14 @@ def write_csv(rows: list[Row], path: Path) -> None:
             points = {v.id: f"{v.points:g}" for v in row.verdicts}
             total = [f"{row.points:g}", f"{row.out_of:g}"]
             cells = [points.get(exercise_id, "") for exercise_id in ids]
-            table.writerow([row.name, row.student, *total, *cells, row.reason])
+            table.writerow([row.name, row.student, *total, *cells, row.reason or row.remark])
     os.replace(beside, path)
+
+
+def _missing_files(submission: Submission, exercises: list[Exercise | Number]) -> str:
+    """Which files the exercises ask for and nobody handed in."""
+    wanted = [e for e in exercises if isinstance(e, Exercise) and e.file]
+    return ", ".join(f"{e.file} was not handed in" for e in wanted if not submission.file(e))
 
 
 def _verdicts(
