@@ -15,7 +15,7 @@ from robocon_course import field, mission
 from robocon_course._arrays import CourseError
 from robocon_course.autopilot import Autopilot
 from robocon_course.autopilot.plays import PLAYS, fits
-from robocon_course.autopilot.sight import Track
+from robocon_course.autopilot.tracks import Track
 from robocon_course.mission import (
     ANY,
     LIMITS,

@@ -11,8 +11,9 @@ from robocon_course.autopilot import Autopilot, Parts
 from robocon_course.autopilot.driver import Driver
 from robocon_course.autopilot.plays import PLAYS
 from robocon_course.autopilot.route import DriveLimits
-from robocon_course.autopilot.sight import Sight, Track
+from robocon_course.autopilot.sight import Sight
 from robocon_course.autopilot.taking import approach_to_ball, end_of, may_pull
+from robocon_course.autopilot.tracks import Track
 from robocon_course.mission import SeenBall, State, approach_from
 from robocon_course.robot import Frame
 from robocon_course.vision import Detections

@@ -11,8 +11,10 @@
 ``modules``     velocity on the field -> command for the modules
 ``pilot``       `Pilot`: drives one route, observation by observation
 ``walls``       distances to walls -> a better pose
+``tracks``      balls, remembered from picture to picture
 ``sight``       pictures -> balls and silos on the map
 ``driver``      `Driver`: to one pose after the other
+``taking``      the way to a ball, and when the rollers turn
 ``plays``       what to do in each state of the mission
 ``autopilot``   `Autopilot`: a whole match, observation by observation
 ``telemetry``   what it tells on the bus

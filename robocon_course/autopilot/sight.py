@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
 from math import asin, atan2, cos, hypot, isfinite, pi, remainder, sin
 from typing import NamedTuple
 
@@ -12,10 +11,11 @@ import numpy as np
 from robocon_course import field
 from robocon_course._arrays import FloatArray
 from robocon_course.autopilot.parts import Parts
+from robocon_course.autopilot.tracks import SAME, Spot, Track, matched
 from robocon_course.field.standing import standing
 from robocon_course.mission import SeenBall
 from robocon_course.robot import MODULES, SIDE, Frame
-from robocon_course.vision import BALLS, CLASSES, SILOS, Camera, Detections, Sighting, load_detector
+from robocon_course.vision import CLASSES, SILOS, Camera, Detections, Sighting, load_detector
 from robocon_course.vision.camera import camera_pose
 from robocon_course.vision.locate import bearing_and_range, both_rulers, on_floor
 
@@ -30,57 +30,20 @@ UNPLACED = 0.1
 """A picture so far in time from any known pose says nothing of places [s]."""
 LEAST_SIDE = 0.5
 """Of a box [pixels]."""
-SAME = 0.13
-"""Two sightings so near to each other are of one ball [m]; farther away they spread more."""
-OTHER_COLOUR = 0.08
-"""A sighting of another colour counts as so much farther away [m]."""
+LEAST_SIGMA = 0.01
+"""No ball's place is known better than this [m]."""
 RANGE = (0.12, 4.2)
 """Balls nearer or farther than this are not looked for [m]."""
 VIEW = 0.46
 """Half of the camera's view in which a ball is expected to be found [rad]."""
 UPRIGHT = 0.33
 """And half of its view from top to bottom [rad]."""
-APART = 0.08
-"""Tracks nearer to each other are of one ball [m]: two balls' middles are a diameter apart."""
-MISSES = 4
-"""So often not found where it should be, a ball is gone."""
 SURE = 2
 """So often seen, a ball is believed."""
 UNSEEN = 15.0
 """A silo's last change may lie so far back [s]; nobody looks away for longer."""
 READINGS = 5
 """The last so many readings of a silo decide what it holds."""
-
-
-class Track(NamedTuple):
-    """A ball that was seen, perhaps several times.
-
-    Attributes
-    ----------
-    x, y : float  [m, map]
-    variance : float  [m^2]
-    votes : tuple of 3 floats
-        For each colour, the sum of its scores.
-    hits, misses : int
-        How often it was found, and how often in a row not.
-    """
-
-    x: float
-    y: float
-    variance: float
-    votes: tuple[float, float, float]
-    hits: int
-    misses: int
-
-    @property
-    def ball(self) -> SeenBall:
-        """As the mission takes it."""
-        return SeenBall(self.x, self.y, BALLS[self.colour])
-
-    @property
-    def colour(self) -> int:
-        """Its most likely class number."""
-        return self.votes.index(max(self.votes))
 
 
 class View(NamedTuple):
@@ -232,7 +195,7 @@ class Sight:
         return self._detectors[kind].detect(frame.image_bgr)
 
     def _see_balls(self, view: View, found: Detections, pose: FloatArray) -> None:
-        seen = []
+        spots = []
         floor = field.STORAGE_ZONE.height
         for box, score, number in zip(found.boxes, found.scores, found.class_ids, strict=True):
             sighting = self._located(box, view, floor)
@@ -245,8 +208,9 @@ class Sight:
                 sighting = self._located(box, view, height) or sighting
                 x, y = view.x + sighting.range * cos(angle), view.y + sighting.range * sin(angle)
             x, y = min(max(x, LOW[0]), HIGH[0]), min(max(y, LOW[1]), HIGH[1])
-            seen.append((x, y, sighting.range_sigma**2 + 1e-4, int(number), float(score)))
-        tracks = _matched(self.tracks, seen, lambda t: _expected_in(view, t))
+            variance = sighting.range_sigma**2 + LEAST_SIGMA**2
+            spots.append(Spot(x, y, variance, int(number), float(score)))
+        tracks = matched(self.tracks, spots, lambda track: _expected_in(view, track))
         self.tracks = [track for track in tracks if not _under(pose, track)]
 
     def _located(self, box: FloatArray, view: View, floor: float) -> Sighting | None:
@@ -317,64 +281,6 @@ def _under(pose: FloatArray, track: Track) -> bool:
     """Whether the robot stands where a ball was: it pushed it away."""
     dx, dy, c, s = track.x - pose[0], track.y - pose[1], cos(pose[2]), sin(pose[2])
     return max(abs(c * dx + s * dy), abs(c * dy - s * dx)) < 0.5 * SIDE
-
-
-def _matched(
-    tracks: list[Track],
-    seen: list[tuple[float, float, float, int, float]],
-    expected: Callable[[Track], bool],
-) -> list[Track]:
-    """Tracks after one more picture: the nearest sighting goes to each, the rest are new."""
-    pairs = sorted(
-        (hypot(t.x - s[0], t.y - s[1]) + OTHER_COLOUR * (t.colour != s[3]), i, j)
-        for i, t in enumerate(tracks)
-        for j, s in enumerate(seen)
-    )
-    taken: dict[int, int] = {}
-    for gap, i, j in pairs:
-        if gap < SAME + 2.0 * seen[j][2] ** 0.5 and i not in taken and j not in taken.values():
-            taken[i] = j
-    kept = []
-    for i, track in enumerate(tracks):
-        if i in taken:
-            kept.append(_updated(track, seen[taken[i]]))
-        else:
-            misses = track.misses + expected(track)
-            if misses < MISSES:
-                kept.append(track._replace(misses=misses))
-    for j, (x, y, variance, number, score) in enumerate(seen):
-        if j not in taken.values():
-            votes = tuple(score if k == number else 0.0 for k in range(len(BALLS)))
-            kept.append(Track(x, y, variance, votes, 1, 0))
-    return _one_each(kept)
-
-
-def _one_each(tracks: list[Track]) -> list[Track]:
-    """Tracks of which no two can be of one ball; those that were seen oftenest stay."""
-    apart: list[Track] = []
-    for track in sorted(tracks, key=lambda one: -one.hits):
-        k = next(
-            (k for k, other in enumerate(apart)
-             if hypot(track.x - other.x, track.y - other.y) < APART), None,
-        )  # fmt: skip
-        if k is None:
-            apart.append(track)
-        else:
-            votes = tuple(a + b for a, b in zip(apart[k].votes, track.votes, strict=True))
-            apart[k] = apart[k]._replace(votes=votes)
-    return apart
-
-
-def _updated(track: Track, sighting: tuple[float, float, float, int, float]) -> Track:
-    """A track and one more sighting of it; balls may roll, so the old never counts for all."""
-    x, y, variance, number, score = sighting
-    before = track.variance + 0.02**2
-    gain = before / (before + variance)
-    votes = tuple(0.5 * v + (score if k == number else 0.0) for k, v in enumerate(track.votes))
-    return Track(
-        track.x + gain * (x - track.x), track.y + gain * (y - track.y),
-        (1.0 - gain) * before, votes, track.hits + 1, 0,
-    )  # fmt: skip
 
 
 NOTHING = Detections(np.empty((0, 4), np.float32), np.empty(0, np.float32), np.empty(0, np.int64))
