@@ -19,6 +19,7 @@ from conftest import ROOT
 from robocon_course import cli, desk, doctor, files
 from robocon_course.exercises import registry
 from robocon_course.exercises.workspace import Workspace
+from robocon_course.simulator import match
 
 LESSONS = [f"{about.name}.ipynb" for about in registry.chapters()]
 COMMANDS = typer.main.get_command(cli.app).commands
@@ -125,6 +126,7 @@ def test_a_pipe_without_our_signs_shows_a_question_mark():
         ),
         (["match", "--team", "green"], "team: expected one of red, blue, got 'green'"),
         (["match", "--strategy", "C"], "strategy: expected one of A, B, ahead, got 'C'"),
+        (["match", "--sent", "-1"], "--sent: expected a number of balls, got -1"),
         (["match", "--record", __file__], "--record: expected a folder, "),
         (["season", "--seeds", "0"], "at least one match"),
         (["season", "--workers", "0"], "at least one process"),
@@ -511,6 +513,20 @@ def test_a_match_is_told_state_by_state_and_won_with_0(short):
 def test_a_match_is_played_with_another_order(short, strategy):
     code, said = robocon("match", "--seed", "1", "--opponent", "none", "--strategy", strategy)
     assert code == 0 and "1 balls stored" in said
+
+
+@pytest.mark.parametrize(("asked", "given"), [([], 12), (["--sent", "24"], 24)])
+@pytest.mark.parametrize("command", [["match"], ["season", "--seeds", "1", "--workers", "1"]])
+def test_how_many_balls_robot_1_sends_may_be_asked_for(short, monkeypatch, command, asked, given):
+    sent, made = [], match.Others.__init__
+
+    def watched(self, *arguments, **settings):
+        sent.append(arguments[3])
+        made(self, *arguments, **settings)
+
+    monkeypatch.setattr(match.Others, "__init__", watched)
+    assert robocon(*command, "--opponent", "none", *asked)[0] == 0
+    assert sent == [given]
 
 
 def test_a_match_that_is_not_won_ends_with_1(monkeypatch):

@@ -26,6 +26,12 @@ Team = Annotated[str, typer.Option(help="red or blue.")]
 Strategy = Annotated[
     str | None, typer.Option(help="How silos are chosen: A, B or ahead; default your own or ahead.")
 ]
+Sent = Annotated[
+    int | None,
+    typer.Option(
+        help="Balls from Robot 1. The rules allow 12, the default; with 24 none is wanting."
+    ),
+]
 Camera = Annotated[
     bool, typer.Option("--camera", help="Draw what the camera sees and run the networks on it.")
 ]
@@ -39,6 +45,7 @@ def match(
     team: Team = "red",
     camera: Camera = False,
     strategy: Strategy = None,
+    sent: Sent = None,
     record: Annotated[
         Path | None, typer.Option(help="Folder for the log (.mcap) and an animation (.gif).")
     ] = None,
@@ -52,7 +59,7 @@ def match(
         from robocon_course.robot import Bus
         from robocon_course.simulator import warm_up
 
-        settings = _settings(opponent, team, strategy) | {"drawn": camera}
+        settings = _settings(opponent, team, strategy, sent) | {"drawn": camera}
         if record is not None and record.exists() and not record.is_dir():
             raise CourseError(f"--record: expected a folder, {record} is a file")
         parts, number = _parts(mine)
@@ -84,6 +91,7 @@ def season(
     team: Team = "red",
     camera: Camera = False,
     strategy: Strategy = None,
+    sent: Sent = None,
     workers: Annotated[
         int | None, typer.Option(help="Processes; default one for each core.")
     ] = None,
@@ -104,7 +112,7 @@ def season(
         from robocon_course import worlds
         from robocon_course.simulator import warm_up
 
-        settings = _settings(opponent, team, strategy) | {"drawn": camera}
+        settings = _settings(opponent, team, strategy, sent) | {"drawn": camera}
         parts, number = _parts(mine)
         console.print(f"Robot of student {number}, parts: {escape(parts().label)}")
         warm_up(console.print)
@@ -174,8 +182,9 @@ def _told(result: MatchResult) -> None:
         console.print(escape(line), soft_wrap=True)
 
 
-def _settings(opponent: str, team: str, strategy: str | None) -> dict:
+def _settings(opponent: str, team: str, strategy: str | None, sent: int | None) -> dict:
     """What was asked for, refused before anything is compiled or played."""
+    from robocon_course.field import SEEDLINGS
     from robocon_course.mission import LETTERS, STRATEGIES
     from robocon_course.simulator.referee import OPPONENTS
 
@@ -187,8 +196,11 @@ def _settings(opponent: str, team: str, strategy: str | None) -> dict:
         if got not in known:
             words = ", ".join(one for one in known if one is not None)
             raise CourseError(f"--{name}: expected one of {words}, got {got!r}")
+    if sent is not None and sent < 0:
+        raise CourseError(f"--sent: expected a number of balls, got {sent}")
     return {
         "opponent": None if opponent == "none" else opponent, "team": team, "strategy": strategy,
+        "sent": SEEDLINGS if sent is None else sent,
     }  # fmt: skip
 
 
