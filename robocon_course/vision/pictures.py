@@ -23,7 +23,7 @@ LEAST_SIDE = {"ball": 4.0, "silo": 8.0}
 """Nothing narrower or lower than this gets a box [pixels]."""
 LEAST_SHARE = {"ball": 0.15, "silo": 0.6}
 """Nor anything of which less than this share is seen."""
-LEAST_OF_A_FILLING = 0.4
+LEAST_OF_A_FILLING = 0.25
 """Nor a silo with a ball of which less than this share is seen: nobody could name its filling."""
 SEEN_AT_ALL = 2.0
 """Of what gets no box, a part this wide and high can still be seen, and is doubtful [pixels]."""
