@@ -198,7 +198,8 @@ class Play:
         try:
             self._do(str(button.name), button)
         except Exception as error:  # a listener that raises is dropped: "stop" must work on
-            line = f"a button that cannot be: {type(error).__name__}: {error}"
+            kind = "" if isinstance(error, CourseError) else f"{type(error).__name__}: "
+            line = f"a button that means nothing here: {kind}{error}"
             self.bus.publish("/rosout", Log(self.match.robot.time, "warning", line))
 
     def _do(self, name: str, button: Button) -> None:
