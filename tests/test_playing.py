@@ -89,6 +89,7 @@ def test_after_the_end_the_robot_stands_and_is_heard_until_the_next_start(notebo
         assert screen.inbox.connected() and not screen.inbox.running
         assert first.robot.motion[1] == pytest.approx((0.0, 0.0, 0.0), abs=1e-3)
         assert not screen.controls.start.disabled
+        assert play.bus.latest["/operator"].name == "stop", "whoever writes it down was told"
         screen.controls.start.click()
         assert play.match is not first and not play.pilot.stopped
         screen.close()

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from robocon_course import field
 from robocon_course.mission import mermaid, mission_table
 from robocon_course.robot import Bus
+from robocon_course.robot.messages import Button
 from robocon_course.view.canvas import publish, show
 from robocon_course.view.driving import AROUND
 from robocon_course.view.field_picture import draw_field
@@ -133,12 +134,13 @@ async def _run(play: Play, screen: Dashboard, speed: float) -> None:
     """Let the simulator keep pace with the clock on the wall.
 
     After the end the robot stands there and is heard: a silent one would look like a broken link.
+    The stop is told like an operator's, so that a log of it can be replayed.
     """
     due = monotonic()
     while not screen.closed:
         for _ in range(max(1, round(SLICE * speed / 0.01))):
             play.tick()
             if play.match.over and not play.pilot.stopped:
-                play.pilot.stop()
+                play.bus.publish("/operator", Button("stop"))
         due = max(due + SLICE, monotonic() - LAG)
         await asyncio.sleep(max(0.001, due - monotonic()))
