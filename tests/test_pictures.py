@@ -126,6 +126,23 @@ def test_a_silo_of_which_a_ball_is_hidden_is_doubtful_and_its_box_holds_what_is_
     assert behind.doubtful[0, 3] < whole.boxes[0, 3] - 20.0
 
 
+@pytest.mark.parametrize(("wall", "named"), [(0.215, True), (0.23, False)])
+def test_a_silo_is_named_while_a_quarter_of_each_ball_shows(wall, named):
+    rng, scene, lone = np.random.default_rng(3), bare_room(), bare_room()
+    venue.add_silo(scene, rng, (1.2, 0.0, 0.0), SILOS.index("RBR"), venue.silo_make(rng))
+    scene.add_box((0.7, -0.5, 0.0), (0.75, 0.5, wall), (0.9, 0.9, 0.1))
+    lowest = scene.balls[0]
+    lone.add_ball(lowest.centre, lowest.colour, lowest.label, lowest.turn)
+    T = view_towards((0.0, 0.0, 0.4), (1.2, 0.0, 0.25))
+    shows, whole = (
+        np.count_nonzero(render.seen(one.packed(), Camera().scaled(4.0), T)[2] == len(one.rects))
+        for one in (scene, lone)
+    )
+    assert (0.27 < shows / whole < 0.35) if named else (0.12 < shows / whole < 0.22)
+    taken = photograph(scene, T, "silo")
+    assert (len(taken.boxes), len(taken.doubtful)) == ((1, 0) if named else (0, 1))
+
+
 def test_balls_in_a_silo_touch_and_stay_inside_its_bore():
     for seed in range(200):
         middles = stack(np.random.default_rng(seed), 3)
