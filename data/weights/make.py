@@ -24,7 +24,7 @@ LARGER = 480
 """Pixels of the longer side, where time is not short; else 320."""
 TEST_PICTURES = 600
 SEEDS = {"synthetic": 777_000, "again": 888_000}
-"""Of the test pictures, and of others that nobody looked at before everything was chosen."""
+"""Of the test pictures, and of others by which nothing was ever chosen."""
 LOOSE = 0.3
 """An overlap at which hand-drawn boxes that leave out a ball's rim still count as boxes of it."""
 MADE = json.loads((FOLDER / "made.json").read_text(encoding="utf-8"))
