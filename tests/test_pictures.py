@@ -143,6 +143,49 @@ def test_a_silo_is_named_while_a_quarter_of_each_ball_shows(wall, named):
     assert (len(taken.boxes), len(taken.doubtful)) == ((1, 0) if named else (0, 1))
 
 
+@pytest.mark.parametrize(
+    ("filling", "lowest", "named"),
+    [("RB", 0.46, True), ("RB", 0.4, False), ("empty", 0.2, True), ("empty", 0.02, False)],
+)
+def test_a_silo_is_named_while_the_place_of_its_next_ball_shows(filling, lowest, named):
+    rng, scene = np.random.default_rng(3), bare_room()
+    venue.add_silo(scene, rng, (1.2, 0.0, 0.0), SILOS.index(filling), venue.silo_make(rng))
+    # A board hangs in front of the place, as wide as a ball: the cage's posts are seen beside it.
+    T = view_towards((0.0, 0.0, 0.3), (1.2, 0.0, 0.3))
+    scene.add_rect((1.0, -0.1, lowest), (0, 0.2, 0), (0, 0, 0.3), (0.9, 0.9, 0.1))
+    taken = photograph(scene, T, "silo")
+    assert (len(taken.boxes), len(taken.doubtful)) == ((1, 0) if named else (0, 1))
+
+
+def test_a_full_silo_has_no_place_for_another_ball():
+    rng, scene = np.random.default_rng(3), bare_room()
+    make = venue.silo_make(rng)
+    for filling, foot in (("RBR", (1.2, 0.0, 0.0)), ("BR", (0.0, 1.0, 0.2)), ("empty", (2, 2, 0))):
+        venue.add_silo(scene, rng, foot, SILOS.index(filling), make)
+    assert scene.next_place(0) is None
+    one_more, first = scene.next_place(1), scene.next_place(2)
+    top = scene.balls[scene.held(1)[-1]].centre
+    np.testing.assert_allclose(one_more, (0.0, 1.0, top[2] + 2 * RADIUS))
+    np.testing.assert_allclose(first, (2.0, 2.0, RADIUS))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_share_seen_of_another_ball_is_that_of_a_ball_put_there(seed):
+    rng = np.random.default_rng(seed)
+    scene, T = bare_room(), view_towards((0.0, 0.0, 0.4), (1.2, 0.0, 0.25))
+    for foot in ((1.2, 0.0, 0.0), (0.8, 0.3, 0.0)):
+        venue.add_silo(scene, rng, foot, SILOS.index("RBR"), venue.silo_make(rng))
+    middle = rng.uniform((0.9, -0.3, 0.1), (1.6, 0.3, 0.5))
+    view = render.seen(scene.packed(), Camera(), T)
+    as_it_was = [part.copy() for part in view]
+    share = render.share_of_another(middle, view, Camera(), T)
+    for part, was in zip(view, as_it_was, strict=True):
+        np.testing.assert_array_equal(part, was)
+    scene.add_ball(middle, np.ones(3), 0, np.eye(3))
+    there = render.seen(scene.packed(), Camera(), T)[2] == len(scene.rects) + len(scene.balls) - 1
+    assert share == np.count_nonzero(there) / render.whole_balls(middle, Camera(), T)
+
+
 def test_balls_in_a_silo_touch_and_stay_inside_its_bore():
     for seed in range(200):
         middles = stack(np.random.default_rng(seed), 3)

@@ -24,7 +24,8 @@ LEAST_SIDE = {"ball": 4.0, "silo": 8.0}
 LEAST_SHARE = {"ball": 0.15, "silo": 0.6}
 """Nor anything of which less than this share is seen."""
 LEAST_OF_A_FILLING = 0.25
-"""Nor a silo with a ball of which less than this share is seen: nobody could name its filling."""
+"""Nor a silo if less than this share is seen of one of its balls, or of the place where its next
+one would lie: nobody could name its filling."""
 SEEN_AT_ALL = 2.0
 """Of what gets no box, a part this wide and high can still be seen, and is doubtful [pixels]."""
 SIZES = ((320, 240), (320, 180), (320, 320), (320, 240))
@@ -119,7 +120,7 @@ def take(
         film.to_linear(textures), paint.field_map(), paints, paint.grain(),
     )  # fmt: skip
     image = film.develop(light, (camera.width, camera.height), on, rng)
-    return Picture(image, *visible(scene, view[2], fine, T_map_camera, kind))
+    return Picture(image, *visible(scene, view, fine, T_map_camera, kind))
 
 
 def _paints(scene: Scene) -> FloatArray:
@@ -127,7 +128,7 @@ def _paints(scene: Scene) -> FloatArray:
 
 
 def visible(
-    scene: Scene, what: NDArray[np.int32], fine: Camera, T_map_camera: FloatArray, kind: str
+    scene: Scene, view: render.View, fine: Camera, T_map_camera: FloatArray, kind: str
 ) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.float32]]:
     """Boxes around the visible part of each ball, or of each silo with its balls.
 
@@ -135,9 +136,15 @@ def visible(
     """
     first = len(scene.rects)
     total = first + len(scene.balls) + len(scene.cages)
-    found = render.spans(what, first, total)
-    seen = _balls if kind == "ball" else _silos
-    boxes, ids, enough = seen(scene, fine, T_map_camera, found[0][first:], found[1][first:])
+    spans, counts = (found[first:] for found in render.spans(view[2], first, total))
+    middles = np.array([ball.centre for ball in scene.balls]).reshape(-1, 3)
+    shares = counts[: len(middles)] / render.whole_balls(middles, fine, T_map_camera)
+    if kind == "ball":
+        boxes, ids, enough = _balls(scene, spans, shares)
+    else:
+        places = _places(scene, view, fine, T_map_camera)
+        whole = render.whole_cages(scene, fine, T_map_camera)
+        boxes, ids, enough = _silos(scene, spans, counts, shares, places, whole)
     boxes = np.array(boxes, np.float32).reshape(-1, 4) / FINENESS
     side = (boxes[:, 2:] - boxes[:, :2]).min(axis=1, initial=np.inf)
     named = np.array(enough, bool) & (side >= LEAST_SIDE[kind])
@@ -148,37 +155,46 @@ def visible(
 Boxes = tuple[list[FloatArray], list[int], list[bool]]
 
 
-def _balls(
-    scene: Scene, fine: Camera, T_map_camera: FloatArray, spans: FloatArray, counts: FloatArray
-) -> Boxes:
+def _balls(scene: Scene, spans: FloatArray, shares: FloatArray) -> Boxes:
     """Boxes [rays] and colours of the balls that are seen, and whether enough is."""
-    least = LEAST_SHARE["ball"] * render.whole_ball(scene, fine, T_map_camera)
-    kept = [k for k, b in enumerate(scene.balls) if b.label >= 0 and counts[k] > 0]
+    kept = [k for k, ball in enumerate(scene.balls) if ball.label >= 0 and shares[k] > 0]
     ids = [scene.balls[k].label for k in kept]
-    return [spans[k] for k in kept], ids, [counts[k] >= least[k] for k in kept]
+    return [spans[k] for k in kept], ids, [shares[k] >= LEAST_SHARE["ball"] for k in kept]
+
+
+def _places(scene: Scene, view: render.View, fine: Camera, T_map_camera: FloatArray) -> list[float]:
+    """Which share is seen of the place of each silo's next ball; 1 where there is none."""
+    places = [scene.next_place(k) for k in range(len(scene.cages))]
+    return [
+        1.0 if place is None else render.share_of_another(place, view, fine, T_map_camera)
+        for place in places
+    ]
 
 
 def _silos(
-    scene: Scene, fine: Camera, T_map_camera: FloatArray, spans: FloatArray, counts: FloatArray
+    scene: Scene,
+    spans: FloatArray,
+    counts: FloatArray,
+    shares: FloatArray,
+    places: list[float],
+    whole: FloatArray,
 ) -> Boxes:
     """Boxes [rays] and fillings of the silos that are seen, and whether enough is.
 
-    Enough of the silo, and of its every ball.
+    Enough of the silo, of its every ball, and of the place above them.
     """
-    whole = render.whole_cage(scene, fine, T_map_camera)
-    least = LEAST_OF_A_FILLING * render.whole_ball(scene, fine, T_map_camera)
     boxes, ids, enough = [], [], []
     for k, cage in enumerate(scene.cages):
-        held = [b for b, ball in enumerate(scene.balls) if ball.cage == k]
-        parts = [part for part in (len(scene.balls) + k, *held) if counts[part] > 0]
+        me, held = len(scene.balls) + k, scene.held(k)
+        parts = [part for part in (me, *held) if counts[part] > 0]
         if not parts:
             continue
         box = np.r_[spans[parts, :2].min(axis=0), spans[parts, 2:].max(axis=0)]
         boxes.append(box)
         ids.append(cage.filling)
         enough.append(
-            counts[len(scene.balls) + k] > 0
-            and all(counts[b] >= least[b] for b in held)
+            counts[me] > 0
+            and min([places[k], *shares[held]]) >= LEAST_OF_A_FILLING
             and np.prod(box[2:] - box[:2]) >= LEAST_SHARE["silo"] * whole[k]
         )
     return boxes, ids, enough

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray
 from robocon_course.vision.camera import Camera
-from robocon_course.vision.scene import CAGE_RADIUS, RADIUS, Packed
+from robocon_course.vision.scene import CAGE_RADIUS, RADIUS, Packed, Scene
 
 Image = NDArray[np.float32]
 
@@ -29,9 +29,11 @@ NEAR = 0.03
 """Nothing nearer than this is seen [m]."""
 
 
-def seen(
-    scene: Packed, camera: Camera, T_map_camera: FloatArray
-) -> tuple[Image, Image, NDArray[np.int32]]:
+View = tuple[Image, Image, NDArray[np.int32]]
+"""What `seen` returns."""
+
+
+def seen(scene: Packed, camera: Camera, T_map_camera: FloatArray) -> View:
     """What each pixel sees.
 
     Returns
@@ -297,15 +299,25 @@ def spans(what, first, total):
     return found, counts
 
 
-def whole_ball(scene, camera: Camera, T_map_camera: FloatArray) -> FloatArray:
-    """How many rays each ball would fill if nothing hid it."""
+def whole_balls(middles: FloatArray, camera: Camera, T_map_camera: FloatArray) -> FloatArray:
+    """How many rays balls with these middles [m, map] would fill if nothing hid them."""
     turn, eye = T_map_camera[:3, :3], T_map_camera[:3, 3]
-    middles = np.array([b.centre for b in scene.balls]).reshape(-1, 3) - eye
-    depth = np.maximum(middles @ turn[:, 2], 0.05)
+    depth = np.maximum((middles - eye) @ turn[:, 2], 0.05)
     return np.pi * (camera.focal * RADIUS / depth) ** 2
 
 
-def whole_cage(scene, camera: Camera, T_map_camera: FloatArray) -> FloatArray:
+def share_of_another(
+    middle: FloatArray, view: View, camera: Camera, T_map_camera: FloatArray
+) -> float:
+    """Which share would be seen of one more ball, with its middle here [m, map]."""
+    rays, depth, what = view
+    turn, eye = T_map_camera[:3, :3].astype(np.float32), T_map_camera[:3, 3].astype(np.float32)
+    balls, its_own = np.array([middle], np.float32), np.full_like(what, -1)
+    see_balls(balls, rays, eye, depth.copy(), its_own, 0, edge_of_view(camera), turn)
+    return np.count_nonzero(its_own == 0) / whole_balls(middle, camera, T_map_camera)
+
+
+def whole_cages(scene: Scene, camera: Camera, T_map_camera: FloatArray) -> FloatArray:
     """How many rays the upright rectangle around each cage would fill if nothing hid it."""
     turn, eye = T_map_camera[:3, :3], T_map_camera[:3, 3]
     middles = np.array([c.foot + np.array([0, 0, 0.2]) for c in scene.cages]).reshape(-1, 3) - eye

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocon_course._arrays import FloatArray
-from robocon_course.field import BALL_DIAMETER, SILO_BORE, SILO_DIAMETER
+from robocon_course.field import BALL_DIAMETER, SILO_BORE, SILO_CAPACITY, SILO_DIAMETER
 
 RADIUS = BALL_DIAMETER / 2
 NO_TEXTURE, FIELD_MAP = -1, 0
@@ -149,6 +149,19 @@ class Scene:
     ) -> None:
         """A ball; `label` is its class, -1 for one that no network shall report."""
         self.balls.append(Ball(np.asarray(centre, float), colour, turn, label, cage))
+
+    def held(self, cage: int) -> list[int]:
+        """Numbers of the balls in a silo, from bottom to top."""
+        return [number for number, ball in enumerate(self.balls) if ball.cage == cage]
+
+    def next_place(self, cage: int) -> FloatArray | None:
+        """Middle of one more ball in a silo, taken on its axis [m, map]; None if it is full."""
+        held, middle = self.held(cage), self.cages[cage].foot + np.array([0.0, 0.0, RADIUS])
+        if len(held) == SILO_CAPACITY:
+            return None
+        if held:
+            middle[2] = self.balls[held[-1]].centre[2] + BALL_DIAMETER
+        return middle
 
     def packed(self) -> Packed:
         """The scene as arrays, for the renderer."""
