@@ -208,6 +208,33 @@ def test_another_run_can_be_the_start(trained, data, tmp_path):
     assert begun != training.history(trained[0])["box"][0]
 
 
+def test_batches_are_enlarged_by_up_to_what_was_asked_for_also_when_it_goes_on(
+    data, tmp_path, monkeypatch
+):
+    from robocon_course.vision import trainer
+
+    class Stop(Exception):
+        pass
+
+    def loss(self, batch, preds=None):
+        if self.training:
+            sides.append(batch["img"].shape[2:])
+        return of_network(self, batch, preds)
+
+    def stop(one):
+        raise Stop
+
+    sides, of_network = [], trainer.Network.loss
+    monkeypatch.setattr(trainer.Network, "loss", loss)
+    asked = {"epochs": 8, "changes": {"multi_scale": 1.0}, **SMALL}
+    with pytest.raises(Stop):
+        training.train("ball", data, tmp_path / "run", progress=stop, **asked)
+    before = len(sides)
+    training.train("ball", data, tmp_path / "run", **asked)
+    assert set(sides[before:]) == {(64, 64), (96, 96), (128, 128)}
+    assert before == 2 and len(sides) == 16
+
+
 def test_processes_for_gpus_find_our_trainer_and_are_told_of(data, tmp_path, monkeypatch):
     """Where Ultralytics would start one process a GPU, one starts here, on the CPU."""
     from ultralytics.engine import trainer as theirs
@@ -277,6 +304,9 @@ def test_half_precision_gives_nearly_the_same_losses(monkeypatch):
         ({"device": "0,0"}, "--device cpu"),
         ({"device": "gpu"}, "--device cpu"),
         ({"validate_every": 0}, "at least 1"),
+        ({"changes": {"mosiac": 0.0}}, "got 'mosiac'"),
+        ({"changes": {"cls": -1.0}}, "cls is a number from 0"),
+        ({"changes": {"cls": "much"}}, "cls is a number from 0"),
         ({"start_from": "nowhere.pt"}, "start_from: give the last.pt"),
         ({"start_from": __file__}, "start_from: give the last.pt"),
         ({"start_from": "nowhere.onnx"}, "not there"),

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import getpass
 import os
+import random
 import sys
 import tempfile
 import threading
@@ -158,6 +159,22 @@ class Trainer(DetectionTrainer):
         if weights:
             model.load(weights, verbose=False)
         return model.to(memory_format=torch.channels_last)
+
+    def preprocess_batch(self, batch: dict) -> dict:
+        """A batch as the network takes it, enlarged at random where that was asked for.
+
+        Ultralytics would make it smaller as often, and lose what is small already.
+        """
+        reach, self.args.multi_scale = self.args.multi_scale, 0.0
+        batch = super().preprocess_batch(batch)
+        self.args.multi_scale = reach
+        if reach > 0.0:
+            size = self.args.imgsz
+            side = random.choice(range(size, round(size * (1.0 + reach)) + 1, self.stride))
+            batch["img"] = torch.nn.functional.interpolate(
+                batch["img"], size=(side, side), mode="bilinear", align_corners=False
+            )
+        return batch
 
     def save_model(self) -> bool:
         """Write the checkpoints beside the old ones, and let them take their place when whole."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,7 @@ from robocon_course.vision.trainer import (
 
 __all__ = [
     "AUGMENTATION",
+    "LOSSES",
     "RECIPE",
     "YOLO",
     "Epoch",
@@ -56,8 +57,11 @@ AUGMENTATION = {
     "mixup": 0.0,
     "cutmix": 0.0,
     "erasing": 0.0,
+    "multi_scale": 0.0,  # each batch enlarged at random by up to this share of its size
 }
 """What Ultralytics changes in a picture each time it is shown; shares and probabilities."""
+LOSSES = {"box": 7.5, "cls": 0.5, "dfl": 1.5}
+"""How much the errors of box, class and box's rim weigh; Ultralytics' own numbers."""
 
 
 def train(
@@ -73,6 +77,7 @@ def train(
     device: str = "cpu",
     start_from: str | Path | None = None,
     validate_every: int = 1,
+    changes: Mapping[str, float] | None = None,
     progress: Callable[[Epoch], None] | None = None,
 ) -> Path:
     """Train a network, or go on with a training that was cut off.
@@ -101,6 +106,8 @@ def train(
         start, as far as they fit.
     validate_every : int  [epochs]
         After the last epoch it is validated in any case.
+    changes : mapping, optional
+        Numbers to take in place of those of `AUGMENTATION` and `LOSSES`.
     progress : callable, optional
         Called with an `Epoch` after each.
 
@@ -119,6 +126,7 @@ def train(
     """
     data, run = Path(data).resolve(), Path(run).resolve()
     _refuse_settings(kind, epochs, image_size, batch, validate_every)
+    changes = _refuse_changes(changes)
     last = run / "weights" / "last.pt"
     begun = _begun(run, kind) if last.is_file() else None
     if begun is not None and begun["epoch"] < 0:
@@ -133,7 +141,7 @@ def train(
         forget_after(run, begun["epoch"] + 1)
         given |= {"model": str(last), "resume": str(last)}
     else:
-        given |= _settings(run, epochs, image_size, batch, rate) | {
+        given |= _settings(run, epochs, image_size, batch, rate) | changes | {
             "seed": seed, "pretrained": str(start_from) if start_from else False,
         }  # fmt: skip
     torch.set_num_threads(_cores())
@@ -164,7 +172,7 @@ def _settings(run: Path, epochs: int, image_size: int, batch: int, rate: float) 
         "optimizer": "AdamW", "lr0": rate, "lrf": 0.02, "cos_lr": True,
         "warmup_epochs": min(0.5, epochs / 4), "close_mosaic": max(1, epochs // 8),
         "patience": 10**6, "project": str(run.parent), "name": run.name, "exist_ok": True,
-        **AUGMENTATION,
+        **AUGMENTATION, **LOSSES,
     }  # fmt: skip
 
 
@@ -185,6 +193,16 @@ def _refuse_settings(kind: str, epochs: int, image_size: int, batch: int, every:
     for name, value in (("epochs", epochs), ("batch", batch), ("validate_every", every)):
         if value < 1:
             raise ValueError(f"{name}: expected at least 1, got {value}")
+
+
+def _refuse_changes(changes: Mapping[str, float] | None) -> dict[str, float]:
+    known = AUGMENTATION | LOSSES
+    for name, value in (changes or {}).items():
+        if name not in known:
+            raise ValueError(f"changes: expected some of {', '.join(known)}, got {name!r}")
+        if not (isinstance(value, int | float) and 0.0 <= value < 100.0):
+            raise ValueError(f"changes: {name} is a number from 0 to 100, got {value!r}")
+    return dict(changes or {})
 
 
 def _refuse_device(device: str) -> None:
