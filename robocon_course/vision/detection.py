@@ -83,7 +83,7 @@ class Detector:
         """The same network, looking at pictures of another size.
 
         Small things are found better in a larger picture, in more time: at 480 pixels, 2.25 times
-        that of 320.
+        that of 320. The course's ball network is trained for 320 to 480 pixels, the silos' for 320.
 
         Parameters
         ----------
