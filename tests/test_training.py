@@ -191,14 +191,15 @@ def test_a_file_of_weights_can_be_the_start(data, tmp_path):
     import torch
 
     start = files.data_file("weights/ball.onnx")
-    last = training.train("ball", data, tmp_path / "on", epochs=1, start_from=start, **SMALL)
+    slow = SMALL | {"epochs": 1, "rate": 1e-6}
+    last = training.train("ball", data, tmp_path / "on", start_from=start, **slow)
     numbers = {
         one.name: onnx.numpy_helper.to_array(one) for one in onnx.load(start).graph.initializer
     }
     layers = torch.load(last, weights_only=False)["model"].state_dict()
     for name in ("model.0.conv.weight", "model.9.cv2.conv.weight", "model.22.cv3.0.2.weight"):
         ours, theirs = layers[name].float().numpy().ravel(), numbers[name].ravel()
-        assert np.corrcoef(ours, theirs)[0, 1] > 0.95
+        assert np.corrcoef(ours, theirs)[0, 1] > 0.99
 
 
 def test_another_run_can_be_the_start(trained, data, tmp_path):
