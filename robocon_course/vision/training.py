@@ -126,7 +126,7 @@ def train(
     """
     data, run = Path(data).resolve(), Path(run).resolve()
     _refuse_settings(kind, epochs, image_size, batch, validate_every)
-    changes = _refuse_changes(changes)
+    _refuse_changes(changes or {})
     last = run / "weights" / "last.pt"
     begun = _begun(run, kind) if last.is_file() else None
     if begun is not None and begun["epoch"] < 0:
@@ -141,7 +141,7 @@ def train(
         forget_after(run, begun["epoch"] + 1)
         given |= {"model": str(last), "resume": str(last)}
     else:
-        given |= _settings(run, epochs, image_size, batch, rate) | changes | {
+        given |= _settings(run, epochs, image_size, batch, rate) | dict(changes or {}) | {
             "seed": seed, "pretrained": str(start_from) if start_from else False,
         }  # fmt: skip
     torch.set_num_threads(_cores())
@@ -195,14 +195,13 @@ def _refuse_settings(kind: str, epochs: int, image_size: int, batch: int, every:
             raise ValueError(f"{name}: expected at least 1, got {value}")
 
 
-def _refuse_changes(changes: Mapping[str, float] | None) -> dict[str, float]:
+def _refuse_changes(changes: Mapping[str, float]) -> None:
     known = AUGMENTATION | LOSSES
-    for name, value in (changes or {}).items():
+    for name, value in changes.items():
         if name not in known:
             raise ValueError(f"changes: expected some of {', '.join(known)}, got {name!r}")
         if not (isinstance(value, int | float) and 0.0 <= value < 100.0):
             raise ValueError(f"changes: {name} is a number from 0 to 100, got {value!r}")
-    return dict(changes or {})
 
 
 def _refuse_device(device: str) -> None:
