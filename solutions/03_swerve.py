@@ -77,6 +77,9 @@ def run(parts, *, model=None, spoil=None, dt=0.02, delay=0):
     return [np.array(column) for column in zip(*rows)]
 
 
+warm_up()
+
+
 # %%
 def distance(log):
     """Mean distance to the target after the first second [mm]."""
@@ -84,7 +87,6 @@ def distance(log):
     return 1000 * np.hypot(*(poses - targets)[time > 1.0, :2].T).mean()
 
 
-warm_up()
 course = robot_parts("reference")
 log = run(course)
 show(

@@ -77,8 +77,9 @@ def steer(parts, route, settings=FollowSettings()):
     return [np.array(column) for column in zip(*rows)]
 
 
-# %%
 warm_up()
+
+# %%
 log = steer(robot_parts("reference"), round_trip)
 off = 1000 * np.abs(log[5])
 moving = animate(log[0], {"reference": log[1]}, angles=log[3], speeds=log[4], frames=40)

@@ -205,6 +205,13 @@ def test_a_code_cell_is_short_enough_to_read(name):
 
 
 @by_lesson
+def test_no_cell_of_which_the_output_is_compared_says_what_depends_on_the_clock(name):
+    for cell in read(SOLVED[name]).cells:
+        if "nbval-check-output" in cell.metadata.get("tags", []):
+            assert "warm_up()" not in cell.source, "it speaks where the first start is slow"
+
+
+@by_lesson
 def test_notebooks_stay_small(name):
     assert STUDENT[name].stat().st_size < 100_000
     assert SOLVED[name].stat().st_size < 3_000_000

@@ -8,8 +8,8 @@ from threading import Timer
 from robocon_course.robot import Command
 from robocon_course.simulator.machine import Simulator
 
-PATIENCE = 1.0
-"""Longer than this nobody should wait without a word [s]."""
+PATIENCE = 3.0
+"""Longer than this nobody should wait without a word; loading what was compiled takes less [s]."""
 
 
 def warm_up(say: Callable[[str], object] = print) -> None:
