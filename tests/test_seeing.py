@@ -74,6 +74,15 @@ def test_curves_leave_out_what_was_not_measured():
     assert [t.get_text() for t in many.texts] == ["at the end: 3.0 and 4.0"]
 
 
+def test_growth_is_drawn_to_where_it_would_reach_what_is_wanted():
+    shown, missing = [1e5, 4e5], [0.02, 0.01]  # four times the pictures, half of what is missing
+    (ax,) = seeing.plot_growth(shown, missing, 0.0025, -0.5, np.log(0.02 * 1e5**0.5)).axes
+    power, measured, _ = ax.lines
+    assert measured.get_xdata().tolist() == shown
+    np.testing.assert_allclose(np.interp(shown, *power.get_data()), missing, rtol=2e-3)
+    np.testing.assert_allclose(power.get_xydata()[-1], [6.4e6, 0.0025])
+
+
 def test_curves_of_one_class_each_differ_in_stroke_too():
     curve = np.array([0.2, 0.8]), np.array([1.0, 0.5])
     (ax,) = seeing.plot_precision_recall({name: curve for name in ("blue", "purple", "red")}).axes

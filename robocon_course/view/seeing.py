@@ -256,6 +256,34 @@ def plot_losses(runs: Mapping[str, Mapping[str, FloatArray]]) -> Figure:
 
 
 @styled()
+def plot_growth(
+    shown: ArrayLike, missing: ArrayLike, wanted: float, slope: float, at_one: float
+) -> Figure:
+    """What a network lacks, over the pictures shown to it, and where a power of them would lead.
+
+    Parameters
+    ----------
+    shown : array_like, shape (n,)
+        Pictures shown in training until then.
+    missing : array_like, shape (n,)
+        What the mAP lacks to the most there can be.
+    wanted : float
+        The same of the figure that is aimed at.
+    slope, at_one : float
+        ``missing = exp(at_one) * shown ** slope``.
+    """
+    fig, ax = figure(6.0, 3.1)
+    enough = np.exp((np.log(wanted) - at_one) / slope)
+    along = np.geomspace(min(shown), max(enough, max(shown)), 50)
+    ax.loglog(along, np.exp(at_one) * along**slope, ":", color=REFERENCE, label="as a power")
+    ax.loglog(shown, missing, "o", color=MINE, label="measured")
+    ax.axhline(wanted, color=WARN, linestyle="--", label="published")
+    ax.set(xlabel="pictures shown in training", ylabel="what the mAP lacks")
+    ax.legend()
+    return fig
+
+
+@styled()
 def plot_thresholds(
     thresholds: FloatArray, curves: Mapping[str, FloatArray], best: float | None = None
 ) -> Figure:
