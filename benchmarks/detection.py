@@ -25,6 +25,8 @@ from robocon_course.vision import load_detector
 from robocon_course.vision.pictures import picture
 from robocon_course.vision.trainer import YOLO, DetectionModel, ensure_torchvision
 
+SIZES = (320, 480)
+"""Longer side of what the networks look at [pixels]: that of the published robot, and our own."""
 COUNT, REPEATS, PAUSE = 20, 60, 0.05
 
 
@@ -35,22 +37,26 @@ def main() -> None:
     same_file = predict(YOLO(str(files.data_file("weights/ball.onnx")), task="detect"))
     torch = YOLO("yolov8n.yaml", task="detect")
     torch.model = DetectionModel("yolov8n.yaml", nc=len(ours.names), verbose=False)
-    for image in images:
-        np.testing.assert_allclose(ours.detect(image).boxes, same_file(image).xyxy, atol=0.5)
     large = np.resize(images[1], (1080, 1920, 3))
-    for name, image in (("320 x 240", images[0]), ("1920 x 1080", large)):
-        mine, same, slow = taking_turns((ours.detect, same_file, predict(torch)), image)
-        print(
-            f"{name}: detect {1e3 * mine:.1f} ms; YOLO.predict on the same .onnx "
-            f"{1e3 * same:.1f} ms, ratio {mine / same:.2f}; on a network of torch "
-            f"{1e3 * slow:.1f} ms, ratio {mine / slow:.2f} (at most 0.6 wanted)"
-        )
+    for size in SIZES:
+        detect = ours.with_size(size).detect
+        theirs = predict(same_file, size), predict(torch, size)
+        for image in images:
+            np.testing.assert_allclose(detect(image).boxes, theirs[0](image).xyxy, atol=0.5)
+        for name, image in (("320 x 240", images[0]), ("1920 x 1080", large)):
+            mine, same, slow = taking_turns((detect, *theirs), image)
+            print(
+                f"a picture of {name} at {size} pixels: detect {1e3 * mine:.1f} ms; YOLO.predict "
+                f"on the same .onnx {1e3 * same:.1f} ms, ratio {mine / same:.2f}; on a network "
+                f"of torch {1e3 * slow:.1f} ms, ratio {mine / slow:.2f} (at most 0.6 wanted)",
+                flush=True,
+            )
 
 
-def predict(network: YOLO) -> Callable:
+def predict(network: YOLO, size: int) -> Callable:
     """Ultralytics' own way from a picture to boxes."""
     return lambda image: (
-        network.predict(image, imgsz=320, conf=0.4, iou=0.7, verbose=False)[0].boxes
+        network.predict(image, imgsz=size, conf=0.4, iou=0.7, verbose=False)[0].boxes
     )
 
 

@@ -87,19 +87,32 @@ def test_boxes_are_those_of_ultralytics_on_200_pictures(kind):
     training = pytest.importorskip("robocon_course.vision.training")
     training.ensure_torchvision()
     theirs = training.YOLO(str(files.data_file(f"weights/{kind}.onnx")), task="detect")
-    ours, compared = load_detector(kind), 0
+    ours, compared, left_out = load_detector(kind), 0, 0
     for index in range(200):
         # Every shape, and so low a threshold that many boxes overlap.
         image = picture(kind, 31, index, None).image_bgr
         if index % 4 == 0:
             image = cv2.resize(image, None, fx=2.3, fy=2.3)
         mine = ours.detect(image, min_score=0.05)
-        found = theirs.predict(image, imgsz=320, conf=0.05, iou=0.7, verbose=False)[0].boxes
-        assert mine.class_ids.tolist() == found.cls.int().tolist()
-        np.testing.assert_allclose(mine.boxes, found.xyxy.numpy(), atol=0.5)
-        np.testing.assert_allclose(mine.scores, found.conf.numpy(), atol=1e-3)
-        compared += len(mine.scores)
-    assert compared > 300
+        found = theirs.predict(image, imgsz=ours.size, conf=0.05, iou=0.7, verbose=False)[0].boxes
+        boxes, ids, scores = (part.numpy() for part in (found.xyxy, found.cls, found.conf))
+        mine, found_there = without_ties(*mine), without_ties(boxes, scores, ids)
+        assert mine.class_ids.tolist() == found_there.class_ids.astype(int).tolist()
+        np.testing.assert_allclose(mine.boxes, found_there.boxes, atol=0.5)
+        np.testing.assert_allclose(mine.scores, found_there.scores, atol=1e-3)
+        compared, left_out = compared + len(mine.scores), left_out + len(ids) - len(mine.scores)
+    assert compared > 300 and left_out <= 2
+
+
+def without_ties(boxes, scores, ids):
+    """Without boxes that overlap a surer one by the very limit of suppression, to 4 digits.
+
+    Ultralytics moves the boxes of each class 7680 pixels away before it compares them in float32:
+    its fourth digit is rounding.
+    """
+    overlap = np.triu(box_iou(boxes, boxes) * (ids[:, None] == ids[None, :]), 1)
+    kept = (np.abs(overlap - 0.7) > 1e-4).all(axis=0)
+    return detection.Detections(boxes[kept], scores[kept], ids[kept])
 
 
 # --- detect ---------------------------------------------------------------------------------------
@@ -373,12 +386,12 @@ def test_the_silos_of_the_photographs_hold_what_they_hold(name):
 # --- another size ----------------------------------------------------------------------------
 
 
-def test_the_same_network_looks_at_larger_pictures_and_finds_the_same_balls():
+def test_the_same_network_looks_at_smaller_pictures_and_finds_the_same_balls():
     detector, taken = load_detector("ball"), picture("ball", 17, 1)
-    large = detector.with_size(480)
-    assert (detector.size, large.size) == (320, 480)
-    assert max(large.letterbox(taken.image_bgr)[0].shape) == 480
-    small, big = (one.detect(taken.image_bgr, min_score=0.6) for one in (detector, large))
+    fast = detector.with_size(320)
+    assert (fast.size, detector.size) == (320, 480)
+    assert max(fast.letterbox(taken.image_bgr)[0].shape) == 320
+    small, big = (one.detect(taken.image_bgr, min_score=0.6) for one in (fast, detector))
     assert len(small.scores) > 0
     best = box_iou(small.boxes, big.boxes).max(axis=1)
     assert (best > 0.7).all()

@@ -11,6 +11,7 @@ from __future__ import annotations
 import ast
 import hashlib
 from collections.abc import Callable
+from copy import copy
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -64,26 +65,23 @@ class Detector:
         min_score: float,
         size: int,
         step: int,
-        *,
-        decode: Callable = decode,
-        suppress: Callable = non_max_suppression,
     ) -> None:
         self.names, self.min_score, self.size, self.step = names, min_score, size, step
         self._session, self._input = session, session.get_inputs()[0].name
-        self._decode, self._suppress = decode, suppress
+        self._decode, self._suppress = decode, non_max_suppression
 
     def with_parts(self, decode: Callable, suppress: Callable) -> Detector:
         """The same network, read by other functions in place of `decode` and its suppression."""
-        return Detector(
-            self._session, self.names, self.min_score, self.size, self.step,
-            decode=decode, suppress=suppress,
-        )  # fmt: skip
+        other = copy(self)
+        other._decode, other._suppress = decode, suppress
+        return other
 
     def with_size(self, size: int) -> Detector:
         """The same network, looking at pictures of another size.
 
-        Small things are found better in a larger picture, in more time: at 480 pixels, 2.25 times
-        that of 320. The course's ball network is trained for 320 to 480 pixels, the silos' for 320.
+        Small things are found better in a larger picture, in more time: 480 pixels take 2.25 times
+        the work of 320. The course's ball network looks at 480 and is trained for 320 to 480
+        pixels; the silos' looks at 320, and is trained for no other size.
 
         Parameters
         ----------
@@ -104,10 +102,9 @@ class Detector:
             raise ValueError(f"size: this network takes {self.size} pixels only, got {size!r}")
         if not whole or size < self.step or size % self.step:
             raise ValueError(f"size: expected a multiple of {self.step} pixels, got {size!r}")
-        return Detector(
-            self._session, self.names, self.min_score, int(size), self.step,
-            decode=self._decode, suppress=self._suppress,
-        )  # fmt: skip
+        other = copy(self)
+        other.size = int(size)
+        return other
 
     def letterbox(self, image_bgr: NDArray[np.uint8]) -> tuple:
         """A picture as this network takes it, its scale and shift; see `reading.letterbox`."""
