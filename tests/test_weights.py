@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import sys
 from functools import cache
 
 import numpy as np
@@ -21,7 +22,8 @@ THING, APART, DOUBTFUL = [0.0, 0.0, 10.0, 10.0], [40.0, 0.0, 50.0, 10.0], [20.0,
 
 @cache
 def script(name: str):
-    """A program of the weights' folder."""
+    """A program of the weights' folder; they read each other."""
+    sys.path.append(str(WEIGHTS))
     spec = importlib.util.spec_from_file_location(f"weights_{name}", WEIGHTS / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -70,6 +72,38 @@ def test_a_thing_is_as_sure_as_its_best_right_report():
     nothing = Detections(np.empty((0, 4)), np.empty(0), np.empty(0, int))
     assert script("errors").surest(nothing, taken()).tolist() == [0.0, 0.0]
     assert script("errors").kinds_of(nothing, taken()) == []
+
+
+@pytest.mark.parametrize(
+    ("rows", "hard"),
+    [
+        ([(THING, 0, 0.9), (APART, 2, 0.7)], False),
+        ([(THING, 0, 0.9), (APART, 2, 0.5)], True),  # right, but unsure
+        ([(THING, 0, 0.9)], True),
+        ([(THING, 0, 0.9), (APART, 2, 0.7), (APART, 1, 0.2)], False),  # wrong, but hardly sure
+        ([(THING, 0, 0.9), (APART, 2, 0.7), (APART, 1, 0.4)], True),
+        ([(THING, 0, 0.9), (APART, 2, 0.7), (DOUBTFUL, 1, 0.4)], True),
+    ],
+)
+def test_hard_is_a_picture_with_something_to_learn(rows, hard):
+    boxes, ids, scores = zip(*rows, strict=True)
+    found = Detections(np.array(boxes), np.array(scores), np.array(ids))
+    assert script("mine").is_hard(found, taken()) is hard
+
+
+def test_a_mined_picture_is_kept_thrice_if_hard_and_else_a_third_of_them(tmp_path, monkeypatch):
+    for part in ("images", "labels"):
+        for split in ("train", "val"):
+            (tmp_path / part / split).mkdir(parents=True)
+    hard = [False, True, False, False, True, True, True]
+    answers = iter(hard)
+    monkeypatch.setattr(script("mine"), "is_hard", lambda found, taken: next(answers))
+    assert [script("mine").keep("silo", 14, tmp_path, k) for k in range(len(hard))] == hard
+    for part, ending in (("images", "jpg"), ("labels", "txt")):
+        kept = [path.stem for path in (tmp_path / part).glob(f"*/*.{ending}")]
+        times = [sum(f"_{k:06d}_" in name for name in kept) for k in range(len(hard))]
+        assert times == [1, 3, 0, 1, 3, 3, 3]
+        assert [path.stem for path in (tmp_path / part / "val").iterdir()] == ["silo_000000_0"]
 
 
 @pytest.mark.parametrize("kind", ["ball", "silo"])
