@@ -34,7 +34,7 @@ def main() -> None:
     ensure_torchvision()
     images = [picture("ball", 11, k).image_bgr for k in range(COUNT)]
     ours = load_detector("ball")
-    same_file = predict(YOLO(str(files.data_file("weights/ball.onnx")), task="detect"))
+    same_file = YOLO(str(files.data_file("weights/ball.onnx")), task="detect")
     torch = YOLO("yolov8n.yaml", task="detect")
     torch.model = DetectionModel("yolov8n.yaml", nc=len(ours.names), verbose=False)
     large = np.resize(images[1], (1080, 1920, 3))

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from conftest import ROOT, missing
+from conftest import ROOT, benchmark, missing
 from robocon_course import files
 from robocon_course.vision import detection
 from robocon_course.vision.classes import CLASSES, MIN_SCORE
@@ -113,6 +113,17 @@ def without_ties(boxes, scores, ids):
     overlap = np.triu(box_iou(boxes, boxes) * (ids[:, None] == ids[None, :]), 1)
     kept = (np.abs(overlap - 0.7) > 1e-4).all(axis=0)
     return detection.Detections(boxes[kept], scores[kept], ids[kept])
+
+
+def test_the_benchmark_compares_both_sizes(monkeypatch, capsys):
+    pytest.importorskip("robocon_course.vision.training")
+    detection_times = benchmark("detection")
+    for name, few in (("COUNT", 2), ("REPEATS", 1), ("PAUSE", 0.0)):
+        monkeypatch.setattr(detection_times, name, few)
+    detection_times.main()
+    told = capsys.readouterr().out
+    for size in (320, 480):
+        assert told.count(f"at {size} pixels: detect") == 2
 
 
 # --- detect ---------------------------------------------------------------------------------------
