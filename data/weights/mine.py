@@ -70,7 +70,7 @@ def main() -> None:
     parser.add_argument("kind", choices=CLASSES)
     parser.add_argument("folder", type=Path, help="must not exist yet")
     parser.add_argument("--seed", type=int, default=14)
-    parser.add_argument("--pictures", type=int, default=52_000)
+    parser.add_argument("--pictures", type=int, default=26_000)
     asked = parser.parse_args()
     about = {split: f"images/{split}" for split in ("train", "val")}
     for part in ("images", "labels"):

@@ -81,7 +81,7 @@ class Detector:
 
         Small things are found better in a larger picture, in more time: 480 pixels take 2.25 times
         the work of 320. The course's ball network looks at 480 and is trained for 320 to 480
-        pixels; the silos' looks at 320, and is trained for no other size.
+        pixels; the silos' looks at 320, and gains nothing by more.
 
         Parameters
         ----------
