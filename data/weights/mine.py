@@ -17,12 +17,11 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import yaml
 from errors import kinds_of, surest
 from rich.progress import track
 
 from robocon_course.vision import CLASSES, Detections, Detector, load_detector
-from robocon_course.vision.dataset import QUALITY, augment, yolo_lines
+from robocon_course.vision.dataset import augmented, describe, write_labelled
 from robocon_course.vision.pictures import Picture, picture
 
 SURE, WRONG = 0.6, 0.3
@@ -45,16 +44,10 @@ def keep(kind: str, seed: int, folder: Path, index: int) -> bool:
     hard = is_hard(detector(kind).detect(taken.image_bgr, min_score=WRONG / 2), taken)
     times = TIMES if hard else int(index % EVERY == 0)
     split = "val" if not hard and index % VALIDATION == 0 else "train"
-    image = taken.image_bgr
     if index % 2:  # the others stay as the camera gave them
-        image = augment(image, np.random.default_rng([seed, index, 15]))
-    lines = yolo_lines(taken.boxes, taken.class_ids, *image.shape[1::-1])
+        taken = taken._replace(image_bgr=augmented(taken.image_bgr, seed, index))
     for time in range(times):
-        name = f"{kind}_{index:06d}_{time}"
-        path = folder / "images" / split / f"{name}.jpg"
-        if not cv2.imwrite(str(path), image, [cv2.IMWRITE_JPEG_QUALITY, QUALITY]):
-            raise OSError(f"{path}: could not be written; is the disk full?")
-        (folder / "labels" / split / f"{name}.txt").write_text(lines, encoding="ascii")
+        write_labelled(folder, f"{split}/{kind}_{index:06d}_{time}", taken)
     return hard
 
 
@@ -72,17 +65,15 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=14)
     parser.add_argument("--pictures", type=int, default=26_000)
     asked = parser.parse_args()
-    about = {split: f"images/{split}" for split in ("train", "val")}
+    splits = ("train", "val")
     for part in ("images", "labels"):
-        for split in about:
+        for split in splits:
             (asked.folder / part / split).mkdir(parents=True)
     order = partial(keep, asked.kind, asked.seed, asked.folder)
     with ProcessPoolExecutor() as processes:
         drawn = processes.map(order, range(asked.pictures), chunksize=50)
         hard = sum(track(drawn, "drawing", asked.pictures))
-    names = {"names": dict(enumerate(CLASSES[asked.kind]))}
-    about = yaml.safe_dump(about | names, sort_keys=False)
-    (asked.folder / "data.yaml").write_text(about, encoding="utf-8")
+    describe(asked.kind, asked.folder, splits)
     print(f"{hard} of {asked.pictures} pictures are hard")
 
 

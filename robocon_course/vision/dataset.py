@@ -23,10 +23,11 @@ import os
 import shutil
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import yaml
@@ -44,9 +45,12 @@ from robocon_course.vision.inspection import (
 from robocon_course.vision.reading import as_picture
 from robocon_course.vision.sheet import contact_sheet
 
+if TYPE_CHECKING:
+    from robocon_course.vision.pictures import Picture
+
 __all__ = [
-    "SPLITS", "DatasetError", "Problem", "augment", "check_dataset", "contact_sheet", "read_names",
-    "split_of", "write_dataset", "yolo_lines",
+    "SPLITS", "DatasetError", "Problem", "augment", "augmented", "check_dataset", "contact_sheet",
+    "describe", "read_names", "split_of", "write_dataset", "write_labelled", "yolo_lines",
 ]  # fmt: skip
 
 QUALITY = 92
@@ -118,8 +122,7 @@ def write_dataset(
             empty, done = empty + names, done + count
             if progress is not None:
                 progress(done, images)
-        about = {s: f"images/{s}" for s in SPLITS} | {"names": dict(enumerate(CLASSES[kind]))}
-        (part / "data.yaml").write_text(yaml.safe_dump(about, sort_keys=False), encoding="utf-8")
+        describe(kind, part)
         (part / "background.txt").write_text("".join(f"{n}\n" for n in empty), encoding="utf-8")
         folder.parent.mkdir(parents=True, exist_ok=True)
         part.rename(folder)
@@ -131,6 +134,12 @@ def write_dataset(
     finally:
         shutil.rmtree(part, ignore_errors=True)
     return folder
+
+
+def describe(kind: str, folder: Path, splits: Sequence[str] = SPLITS) -> None:
+    """Write the data.yaml of a folder that has these splits."""
+    about = {s: f"images/{s}" for s in splits} | {"names": dict(enumerate(CLASSES[kind]))}
+    (folder / "data.yaml").write_text(yaml.safe_dump(about, sort_keys=False), encoding="utf-8")
 
 
 def _check_order(
@@ -223,21 +232,32 @@ def _draw(
 
 def _draw_one(kind: str, part: Path, seed: int, size: tuple[int, int] | None, index: int) -> str:
     """One picture and its label, into their files: its name if it has no boxes."""
-    import cv2
-
     from robocon_course.vision import pictures
 
     taken = pictures.picture(kind, seed, index, size)
-    image, split, name = taken.image_bgr, split_of(index), f"{kind}_{index:06d}"
+    split = split_of(index)
     if split == "train":
-        image = augment(image, np.random.default_rng([seed, index, 15]))
-    height, width = image.shape[:2]
-    lines = yolo_lines(taken.boxes, taken.class_ids, width, height)
+        taken = taken._replace(image_bgr=augmented(taken.image_bgr, seed, index))
+    name = f"{split}/{kind}_{index:06d}"
+    write_labelled(part, name, taken)
+    return "" if len(taken.boxes) else name
+
+
+def augmented(image_bgr: NDArray[np.uint8], seed: int, index: int) -> NDArray[np.uint8]:
+    """Picture number `index` of the series `seed`, changed by chances of its own."""
+    return augment(image_bgr, np.random.default_rng([seed, index, 15]))
+
+
+def write_labelled(folder: Path, name: str, taken: Picture) -> None:
+    """A picture and its label, into their files of a data set; `name` begins with the split."""
+    import cv2
+
+    height, width = taken.image_bgr.shape[:2]
     quality = [cv2.IMWRITE_JPEG_QUALITY, QUALITY]
-    if not cv2.imwrite(str(part / "images" / split / f"{name}.jpg"), image, quality):
-        raise OSError(f"{part}: a picture could not be written; is the disk full?")
-    (part / "labels" / split / f"{name}.txt").write_text(lines, encoding="ascii")
-    return "" if lines else f"{split}/{name}"
+    if not cv2.imwrite(str(folder / "images" / f"{name}.jpg"), taken.image_bgr, quality):
+        raise OSError(f"{folder}: a picture could not be written; is the disk full?")
+    lines = yolo_lines(taken.boxes, taken.class_ids, width, height)
+    (folder / "labels" / f"{name}.txt").write_text(lines, encoding="ascii")
 
 
 def yolo_lines(boxes: FloatArray, class_ids: NDArray[np.int64], width: int, height: int) -> str:
