@@ -74,6 +74,32 @@ def test_a_thing_is_as_sure_as_its_best_right_report():
     assert script("errors").kinds_of(nothing, taken()) == []
 
 
+class Knowing:
+    """Reports the truth of the pictures it is asked about in turn, or nothing at all."""
+
+    size = 320
+
+    def __init__(self, drawn, everything):
+        self.drawn, self.everything = iter(drawn), everything
+
+    def detect(self, image_bgr, min_score):
+        one = next(self.drawn)
+        many = len(one.boxes) if self.everything else 0
+        return Detections(one.boxes[:many], np.ones(many), one.class_ids[:many])
+
+
+@pytest.mark.filterwarnings("ignore:Mean of empty slice")  # without the unseen nothing is left
+@pytest.mark.parametrize(("everything", "score"), [(True, 0.995), (False, 0.0)])
+def test_the_table_of_errors_counts_what_is_never_seen(everything, score):
+    drawn = [taken()] * 3
+    head, _, *rows = script("errors").told("ball", Knowing(drawn, everything), drawn)
+    assert head == f"ball at 320 pixels: mAP {score:.3f}"
+    *kinds, never = [row for row in rows if "pixels" not in row]
+    assert all(row.split()[-2:] == ["0", "+0.0000"] for row in kinds)
+    assert never.split()[2] == ("0" if everything else "6")
+    assert f"  8 to 12 pixels: {0 if everything else 6} missed of 6" in rows
+
+
 @pytest.mark.parametrize(
     ("rows", "hard"),
     [
